@@ -2,7 +2,7 @@
 
 #include "command_line.h"
 #include "commands.h"
-#include "contact/rods/warm_kernels.h"
+#include "contact/force_kernels.h"
 #include "device/kernel_cache.h"
 #include "engine.h"
 #include "scene/scene.h"

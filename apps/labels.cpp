@@ -6,7 +6,7 @@
 #include "core/note.h"
 #include "dataset.h"
 #include "io/coco_write.h"
-#include "io/png_read.h"
+#include "io/png_write.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

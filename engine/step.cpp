@@ -1,5 +1,4 @@
 // The main loop: a list of stages and nothing else; read this first. engine/README.md tells the same in prose.
-
 #include "core/check.h"
 #include "stages/step_stages.h"
 #include "world/world.h"

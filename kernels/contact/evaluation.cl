@@ -95,60 +95,28 @@ SEL_STAGE(contact_clear)
     else todo[1 + atomic_inc(todo)] = item;
 }
 
-SEL_STAGE(contact_nearest)
-{
-    SEL_NEXT_POINT;
-    stage_nearest(of, stage);
-}
+    #define SEL_POINT_STAGE(name, call) \
+        SEL_STAGE(name)                 \
+        {                               \
+            SEL_NEXT_POINT;             \
+            call;                       \
+        }
+    #define SEL_MOVES SEL_NODES(node), SEL_NODES(node_t0)
 
-SEL_STAGE(contact_behind)
-{
-    SEL_NEXT_POINT;
-    stage_behind(of, SEL_NODES(node), SEL_NODES(node_t0), stage);
-}
-
-SEL_STAGE(contact_join)
-{
-    SEL_NEXT_POINT;
-    stage_join(of, side, stage);
-}
-
-SEL_STAGE(contact_share)
-{
-    SEL_NEXT_POINT;
-    stage_share(of, side, stage);
-}
-
-SEL_STAGE(contact_oppose)
-{
-    SEL_NEXT_POINT;
-    stage_oppose(of, stage);
-}
-
+SEL_POINT_STAGE(contact_nearest, stage_nearest(of, stage))
+SEL_POINT_STAGE(contact_behind, stage_behind(of, SEL_MOVES, stage))
+SEL_POINT_STAGE(contact_join, stage_join(of, side, stage))
+SEL_POINT_STAGE(contact_share, stage_share(of, side, stage))
+SEL_POINT_STAGE(contact_oppose, stage_oppose(of, stage))
 SEL_STAGE(contact_press)
 {
     SEL_NEXT_POINT;
     if (side == 0) start_force(of, stage, states + 2 * s, forces + item);
-    stage_press(of, side, SEL_NODES(node), SEL_NODES(node_t0), stage, states + 2 * s, forces + item);
+    stage_press(of, side, SEL_MOVES, stage, states + 2 * s, forces + item);
 }
-
-SEL_STAGE(contact_rub)
-{
-    SEL_NEXT_POINT;
-    stage_rub(of, side, SEL_NODES(node), SEL_NODES(node_t0), stage, states + 2 * s, forces + item);
-}
-
-SEL_STAGE(contact_tangent)
-{
-    SEL_NEXT_POINT;
-    stage_tangent(of, side, SEL_NODES(node), SEL_NODES(node_t0), stage, states + 2 * s, forces + item);
-}
-
-SEL_STAGE(contact_roll)
-{
-    SEL_NEXT_POINT;
-    stage_roll(of, side, SEL_NODES(node), SEL_NODES(node_t0), stage, states + 2 * s, forces + item);
-}
+SEL_POINT_STAGE(contact_rub, stage_rub(of, side, SEL_MOVES, stage, states + 2 * s, forces + item))
+SEL_POINT_STAGE(contact_tangent, stage_tangent(of, side, SEL_MOVES, stage, states + 2 * s, forces + item))
+SEL_POINT_STAGE(contact_roll, stage_roll(of, side, SEL_MOVES, stage, states + 2 * s, forces + item))
 
 // Gaps at the start of a step with the barrier law (barrier_path.cl): contact_all; nearest, behind, join, share and oppose;
 // contact_gap.

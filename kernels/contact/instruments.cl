@@ -93,32 +93,22 @@ SEL_INSTRUMENT_STAGE(instruments_look, CellWork)
     look_at_cell(&its, old, par, work, now, force);
 }
 
-SEL_INSTRUMENT_STAGE(instruments_push, CellWork)
-{
-    SEL_NEXT;
-    if (!stages[item].pushes || stages[item].whole) return;
-    SEL_CELL;
-    const SlotLaw law = slot_law(&its, old, par);
-    push_pieces(&its.scene, &law, work, now, force, SEL_POINTS);
-}
+    // a stage of a slot that pushes, with its law
+    #define SEL_LAW_STAGE(name, Work, its_slot, acts, call) \
+        SEL_INSTRUMENT_STAGE(name, Work)                    \
+        {                                                   \
+            SEL_NEXT;                                       \
+            if (!(acts)) return;                            \
+            its_slot;                                       \
+            const SlotLaw law = slot_law(&its, old, par);   \
+            call;                                           \
+        }
 
-SEL_INSTRUMENT_STAGE(instruments_whole, CellWork)
-{
-    SEL_NEXT;
-    if (!stages[item].pushes || !stages[item].whole) return;
-    SEL_CELL;
-    const SlotLaw law = slot_law(&its, old, par);
-    push_whole(&its.scene, &law, work, now, force, SEL_POINTS);
-}
-
-SEL_INSTRUMENT_STAGE(instruments_rub, CellWork)
-{
-    SEL_NEXT;
-    if (!stages[item].pushes) return;
-    SEL_CELL;
-    const SlotLaw law = slot_law(&its, old, par);
-    finish_cell(&its.scene, &law, work, now, force);
-}
+SEL_LAW_STAGE(instruments_push, CellWork, SEL_CELL, stages[item].pushes && !stages[item].whole,
+              push_pieces(&its.scene, &law, work, now, force, SEL_POINTS))
+SEL_LAW_STAGE(instruments_whole, CellWork, SEL_CELL, (stages[item].pushes && stages[item].whole),
+              push_whole(&its.scene, &law, work, now, force, SEL_POINTS))
+SEL_LAW_STAGE(instruments_rub, CellWork, SEL_CELL, stages[item].pushes, finish_cell(&its.scene, &law, work, now, force))
 
 SEL_INSTRUMENT_STAGE(instruments_self_mark, SelfWork)
 {
@@ -149,22 +139,9 @@ SEL_INSTRUMENT_STAGE(instruments_self_close, SelfWork)
     close_self(&its.scene, &law, line_mass(&its), work, now, force);
 }
 
-SEL_INSTRUMENT_STAGE(instruments_self_push, SelfWork)
-{
-    SEL_NEXT;
-    if (stages[item].touch.count == 0) return;
-    SEL_ITSELF;
-    const SlotLaw law = slot_law(&its, old, par);
-    push_self(&its.scene, &law.law, its.pair.spread, work, force, SEL_POINTS);
-}
-
-SEL_INSTRUMENT_STAGE(instruments_self_rub, SelfWork)
-{
-    SEL_NEXT;
-    if (stages[item].touch.count == 0) return;
-    SEL_ITSELF;
-    const SlotLaw law = slot_law(&its, old, par);
-    finish_self(&its.scene, &law, work, now, force);
-}
+SEL_LAW_STAGE(instruments_self_push, SelfWork, SEL_ITSELF, stages[item].touch.count > 0,
+              push_self(&its.scene, &law.law, its.pair.spread, work, force, SEL_POINTS))
+SEL_LAW_STAGE(instruments_self_rub, SelfWork, SEL_ITSELF, stages[item].touch.count > 0,
+              finish_self(&its.scene, &law, work, now, force))
 
 #endif

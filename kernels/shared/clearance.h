@@ -20,19 +20,16 @@ typedef struct Clearance {
 // Margin for lengths near the wire's radius, positions relative to the mesh centre being rounded (to 30 nm in float).
 #define SEL_CLEARANCE_MARGIN ((real)1e-3)
 
-SEL_FN real distance_from(vec3 p, const real* at)
-{
-    const vec3 d = make_vec3(p.x - at[0], p.y - at[1], p.z - at[2]);
-    return sqrt(dot3(d, d));
-}
+// A macro, since `at` may be in any memory.
+#define distance_from(p, at) length_of((p)-make_vec3((at)[0], (at)[1], (at)[2]))
+SEL_FN real length_of(vec3 d) { return sqrt(dot3(d, d)); }
 
 // What contact_find knows: the list, and that it is empty only if nothing is within `range`.
 SEL_FN Clearance found_clearance(vec3 p, real range, real slack, real radius, uint count)
 {
     Clearance known;
-    known.list_at[0] = known.at[0] = p.x;
-    known.list_at[1] = known.at[1] = p.y;
-    known.list_at[2] = known.at[2] = p.z;
+    store_vec(known.list_at, p);
+    store_vec(known.at, p);
     known.range = range;
     known.clear = count > 0 ? (real)0 : slack - SEL_CLEARANCE_MARGIN * radius;
     return known;
@@ -71,9 +68,7 @@ SEL_FN int is_clear_of_wall(AxisPoint at, QuadratureModel m, NearWallView near, 
     if (!(listed > touching)) return 0;
     const real room = near_room(at, touching, listed - touching, near);
     if (!(room > 0)) return 0;
-    known.at[0] = p.x;
-    known.at[1] = p.y;
-    known.at[2] = p.z;
+    store_vec(known.at, p);
     known.clear = room;
     *clearance = known;
     return 1;

@@ -37,12 +37,7 @@ typedef struct ContactBall {
 
 SEL_FN ContactBall contact_ball(vec3 p, vec3 origin, real radius, real reach, real smoothing)
 {
-    ContactBall ball;
-    ball.p = p;
-    ball.origin = origin;
-    ball.radius = radius;
-    ball.reach = reach;
-    ball.smoothing = smoothing;
+    const ContactBall ball = {p, origin, radius, reach, smoothing};
     return ball;
 }
 

@@ -1,12 +1,11 @@
 // All laws of one contact point: which normal law acts, then friction and rolling under the load that it carries.
 #ifndef SEL_SHARED_CONTACT_LAW_H
 #define SEL_SHARED_CONTACT_LAW_H
-#include "shared/barrier_law.h"
+#include "shared/normal_law.h"
 #include "shared/contact_gap.h"
 #include "shared/contact_sides.h"
 #include "shared/friction_law.h"
 #include "shared/multiplier_law.h"
-#include "shared/normal_law.h"
 #include "shared/rolling_law.h"
 
 SEL_BEGIN
@@ -95,12 +94,8 @@ SEL_FN void write_contact(ContactPoint contact, vec3 n, vec3 axis, Closing closi
     now->rate = closing.rate;
     now->approach = closing.approach;
     now->triangle = contact.triangle;
-    now->normal[0] = n.x;
-    now->normal[1] = n.y;
-    now->normal[2] = n.z;
-    now->point[0] = axis.x + contact.to_wall.x;
-    now->point[1] = axis.y + contact.to_wall.y;
-    now->point[2] = axis.z + contact.to_wall.z;
+    store_vec(now->normal, n);
+    store_vec(now->point, axis + contact.to_wall);
 }
 
 // fn along g, the gradient of the gap, and how both change.
@@ -108,9 +103,7 @@ SEL_FN void add_normal(ContactPoint contact, NormalLoad load, SEL_OUT ContactFor
 {
     const vec3 g = contact.normal;
     const real fn = load.force;
-    out->force[0] += fn * g.x;
-    out->force[1] += fn * g.y;
-    out->force[2] += fn * g.z;
+    add_vec(out->force, fn * g);
     add_outer(out->sym, load.slope, g, 0);
     out->sym[0] += fn * contact.hessian[0];
     out->sym[1] += fn * contact.hessian[1];
@@ -172,9 +165,8 @@ SEL_FN Pressure add_pressure(ContactPoint contact, vec3 axis, ContactState old, 
     const real per_metre = normal_force_per_metre(closing, multiplier, c, &slope);
     if (c->m.weight * per_metre <= 0) return pressure;
     real ignored;
-    NormalLoad load;
-    load.force = c->m.weight * (par.known == SEL_KNOWN_LINEAR ? elastic_normal(contact.depth, c->m, &ignored) : per_metre);
-    load.slope = c->m.weight * slope;
+    NormalLoad load = {c->m.weight * (par.known == SEL_KNOWN_LINEAR ? elastic_normal(contact.depth, c->m, &ignored) : per_metre),
+                       c->m.weight * slope};
     add_normal(contact, load, out);
     out->normal_work += load.force * dot3(contact.normal, c->mv.move);
     pressure.pushed = load.force;  // of all facets together, each with its share; their resultant fn g may be smaller
@@ -193,9 +185,7 @@ SEL_FN Pressure add_pressure(ContactPoint contact, vec3 axis, ContactState old, 
 
 SEL_FN CarriedState carried_state(ContactState old, Pressure pressure)
 {
-    CarriedState carried;
-    carried.old = old;
-    carried.was_active = pressure.was_active;
+    const CarriedState carried = {old, pressure.was_active};
     return carried;
 }
 

@@ -14,18 +14,14 @@ typedef struct LawSide {
 
 SEL_FN LawSide rod_side(real radius, real modulus)
 {
-    LawSide side;
-    side.curvature = 1 / radius;
-    side.modulus = modulus;
+    const LawSide side = {1 / radius, modulus};
     return side;
 }
 
 // @param lumen_radius  of the vessel round a wire; one that does not hold the wire counts as a plane, and so does infinity
 SEL_FN LawSide wall_side(real lumen_radius, real wire_radius, real modulus)
 {
-    LawSide side;
-    side.curvature = lumen_radius > wire_radius ? -(1 / lumen_radius) : (real)0;
-    side.modulus = modulus;
+    const LawSide side = {lumen_radius > wire_radius ? -(1 / lumen_radius) : (real)0, modulus};
     return side;
 }
 

@@ -51,10 +51,7 @@ SEL_FN StagedPoint staged_point(PointView point, ContactParams par, NodeView nod
 
 SEL_FN LawContext staged_context(StagedPoint of, NodeView nodes, NodeView nodes_t0)
 {
-    LawContext c;
-    c.m = of.point.model;
-    c.par = of.par;
-    c.mv = motion_of(of.point.place, of.at, nodes, nodes_t0);
+    const LawContext c = {of.point.model, motion_of(of.point.place, of.at, nodes, nodes_t0), of.par};
     return c;
 }
 

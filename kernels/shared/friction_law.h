@@ -36,10 +36,8 @@ typedef struct SlipRow {
 
 SEL_FN SlipRow slip_row(vec3 v, vec3 n, real radius, PointMotion mv)
 {
-    SlipRow row;
-    row.x = v;
-    row.theta = -radius * dot3(cross3(mv.tangent, n), v);
-    row.w = (radius / mv.length) * (dot3(mv.tangent, v) * n - dot3(mv.tangent, n) * v);
+    const SlipRow row = {v, -radius * dot3(cross3(mv.tangent, n), v),
+                         (radius / mv.length) * (dot3(mv.tangent, v) * n - dot3(mv.tangent, n) * v)};
     return row;
 }
 
@@ -148,24 +146,16 @@ SEL_FN void write_friction(vec3 slip, real size, vec3 f, SlipLaw law, const LawC
     // an elastic slip longer than the cone holds is drawn after the wire
     const real keep = sticks && !law.stuck && size > 0 ? law.cone / (c->m.friction_stiffness * c->m.weight * size) : 1;
     // a sliding contact sticks again when its trial force is inside the cone of mu_sliding: that is `stuck` above
-    now->slip[0] = keep * slip.x;
-    now->slip[1] = keep * slip.y;
-    now->slip[2] = keep * slip.z;
-    now->friction[0] = f.x;
-    now->friction[1] = f.y;
-    now->friction[2] = f.z;
+    store_vec(now->slip, keep * slip);
+    store_vec(now->friction, f);
     if (law.stuck) now->flags |= SEL_CONTACT_STUCK;
 }
 
 SEL_FN void exert(SEL_OUT ContactForce* out, vec3 f, SlipRow row)
 {
-    out->force[0] += f.x;
-    out->force[1] += f.y;
-    out->force[2] += f.z;
+    add_vec(out->force, f);
     out->force[3] += row.theta;
-    out->couple[0] += row.w.x;
-    out->couple[1] += row.w.y;
-    out->couple[2] += row.w.z;
+    add_vec(out->couple, row.w);
     out->flags |= SEL_FORCE_COUPLE;
 }
 
@@ -180,10 +170,7 @@ typedef struct SlipTangent {
 
 SEL_FN SlipTangent no_slip_tangent(void)
 {
-    SlipTangent none;
-    none.along_slip = make_vec3(0, 0, 0);
-    none.size = none.along = none.across = none.skew = 0;
-    none.acts = none.slides = 0;
+    const SlipTangent none = {make_vec3(0, 0, 0), 0, 0, 0, 0, 0, 0};
     return none;
 }
 

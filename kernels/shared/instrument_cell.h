@@ -90,11 +90,8 @@ typedef struct CellStretch {
 
 SEL_FN CellStretch stretch_between(CellMark from, CellMark until)
 {
-    CellStretch stretch;
-    stretch.middle = (real)0.5 * (from.s + until.s);
-    stretch.half_length = (real)0.5 * (until.s - from.s);
-    stretch.at = (real)0.5 * (from.at + until.at);
-    stretch.onwards = (real)0.5 * (until.at - from.at);
+    const CellStretch stretch = {(real)0.5 * (from.s + until.s), (real)0.5 * (until.s - from.s), (real)0.5 * (from.at + until.at),
+                                 (real)0.5 * (until.at - from.at)};
     return stretch;
 }
 
@@ -133,10 +130,7 @@ SEL_FN real push_stretch(const InstrumentScene* scene, SEL_OUT const CellStretch
 
 SEL_FN InstrumentState no_instrument_state(void)
 {
-    InstrumentState none;
-    none.contact = no_contact_state();
-    none.along_a = none.along_b = none.length = 0;
-    none.pair = none.touch = 0;
+    const InstrumentState none = {no_contact_state(), 0, 0, 0, 0, 0};
     return none;
 }
 

@@ -63,9 +63,7 @@ typedef struct SlotLaw {
 
 SEL_FN CarriedState carried_of(const SlotLaw* slot)
 {
-    CarriedState carried;
-    carried.old = slot->old;
-    carried.was_active = !slot->law.mv.fresh && (slot->old.flags & SEL_CONTACT_ACTIVE);
+    const CarriedState carried = {slot->old, !slot->law.mv.fresh && (slot->old.flags & SEL_CONTACT_ACTIVE)};
     return carried;
 }
 

@@ -27,31 +27,20 @@ typedef struct InstrumentBodies {
 // `all`: [count][3] places, [count] material coordinates, [count] spin angles.
 SEL_FN InstrumentNodes instrument_nodes(SEL_GLOBAL const real* all, uint count)
 {
-    InstrumentNodes nodes;
-    nodes.position = all;
-    nodes.material = all + 3 * count;
-    nodes.theta = all + 4 * count;
+    const InstrumentNodes nodes = {all, all + 3 * count, all + 4 * count};
     return nodes;
 }
 
 SEL_FN InstrumentBodies instrument_bodies(SEL_GLOBAL const InstrumentRod* rods, SEL_GLOBAL const InstrumentPair* pairs,
                                           SEL_GLOBAL const InstrumentSurface* surfaces, SEL_GLOBAL const uint* rod_of)
 {
-    InstrumentBodies bodies;
-    bodies.rods = rods;
-    bodies.pairs = pairs;
-    bodies.surfaces = surfaces;
-    bodies.rod_of = rod_of;
+    const InstrumentBodies bodies = {rods, pairs, surfaces, rod_of};
     return bodies;
 }
 
 SEL_FN SplineView spline_of(InstrumentNodes nodes, uint node, uint count)
 {
-    SplineView rod;
-    rod.position = nodes.position + 3 * node;
-    rod.material = nodes.material + node;
-    rod.theta = nodes.theta + node;
-    rod.count = count;
+    const SplineView rod = {nodes.position + 3 * node, nodes.material + node, nodes.theta + node, count};
     return rod;
 }
 

@@ -91,22 +91,9 @@ typedef struct CellMark {
 
 SEL_FN CellMark mark_of(const CellPoint* point)
 {
-    CellMark mark;
-    mark.s = point->s;
-    mark.gap = point->gap;
-    mark.slope = point->slope;
-    mark.at = point->g.at;
+    const CellMark mark = {point->s, point->gap, point->slope, point->g.at};
     return mark;
 }
-
-// A macro, since `to` may be in any memory.
-#define store_vec(to, v)         \
-    do {                         \
-        const vec3 stored = (v); \
-        (to)[0] = stored.x;      \
-        (to)[1] = stored.y;      \
-        (to)[2] = stored.z;      \
-    } while (0)
 
 // Where a cell is deepest: on a's axis, and the direction there.
 typedef struct DeepPoint {
@@ -168,11 +155,7 @@ SEL_CALL CalledPoint point_of_values(SEL_GLOBAL const real* a_position, SEL_GLOB
 
 SEL_FN CellMark called_mark(real s, CalledPoint got)
 {
-    CellMark mark;
-    mark.s = s;
-    mark.gap = got.s0;
-    mark.slope = got.s1;
-    mark.at = got.s2;
+    const CellMark mark = {s, got.s0, got.s1, got.s2};
     return mark;
 }
 

@@ -391,9 +391,7 @@ SEL_FN void push_pair(const InstrumentScene* scene, CellPoint point, vec3 x, rea
     out->stored += elastic * depth / (law->m.exponent + 1);
     sums->along_a += force * point.s;
     sums->along_b += force * spline_material(scene->b, at);
-    sums->n[0] += force * point.g.n.x;
-    sums->n[1] += force * point.g.n.y;
-    sums->n[2] += force * point.g.n.z;
+    add_vec(sums->n, force * point.g.n);
 }
 
 // ---- quadrature ------------------------------------------------------------------------------------------------------------------
@@ -436,9 +434,10 @@ SEL_FN RulePoint rule_point(uint k, real power)
 
 SEL_FN RulePoint inner_point(uint k)
 {
-    RulePoint point;
-    point.u = k == 1 ? (real)0 : k == 0 ? (real)-0.7745966692414834 : (real)0.7745966692414834;
-    point.weight = k == 1 ? (real)8 / 9 : (real)5 / 9;
+    const RulePoint point = {k == 1   ? (real)0
+                             : k == 0 ? (real)-0.7745966692414834
+                                      : (real)0.7745966692414834,
+                             k == 1 ? (real)8 / 9 : (real)5 / 9};
     return point;
 }
 #define SEL_INNER_POINTS 3u

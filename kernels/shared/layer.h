@@ -274,10 +274,7 @@ SEL_PART void evaluate_pair(LayerPair pair, LayerEdge e, ContactParams par, Node
     place.radius_reduction = 0;
     AxisPoint at = start;
     at.offset = start.offset + *bary * start.edge;
-    LawContext c;
-    c.m = e.model;
-    c.par = par;
-    c.mv = motion_of(place, at, nodes, nodes_t0);
+    LawContext c = {e.model, motion_of(place, at, nodes, nodes_t0), par};
     add_contact_point(contact_of_ray(ray, at.offset, pair.triangle), at.origin + at.offset, old, no_multiplier(), &c, now, out);
 }
 

@@ -87,6 +87,17 @@ SEL_FN real min_r(real a, real b) { return a < b ? a : b; }
 SEL_FN real max_r(real a, real b) { return a > b ? a : b; }
 SEL_FN real clamp_r(real a, real lo, real hi) { return a < lo ? lo : (a > hi ? hi : a); }
 
+// Macros, since `to` may be in any memory: to = v, to += v.
+#define store_vec(to, v) set_vec(to, =, v)
+#define add_vec(to, v) set_vec(to, +=, v)
+#define set_vec(to, sets, v)      \
+    do {                          \
+        const vec3 vec_set = (v); \
+        (to)[0] sets vec_set.x;   \
+        (to)[1] sets vec_set.y;   \
+        (to)[2] sets vec_set.z;   \
+    } while (0)
+
 SEL_END
 
 // A part of what an item does. PoCL compiles a kernel three times (for launches of any size, of a known and of a small one), and

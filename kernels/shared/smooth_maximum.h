@@ -90,12 +90,7 @@ SEL_FN real joint_width(vec3 a, vec3 b, ContactBall ball)
 
 SEL_FN WallPlane wall_plane(vec3 facet, vec3 turn, real depth, uint triangle)
 {
-    WallPlane plane;
-    plane.facet = facet;
-    plane.turn = turn;
-    plane.depth = depth;
-    plane.share = plane.pull = 0;
-    plane.triangle = triangle;
+    const WallPlane plane = {facet, turn, depth, 0, 0, triangle};
     return plane;
 }
 

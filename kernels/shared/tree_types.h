@@ -9,7 +9,7 @@
 
 SEL_BEGIN
 
-// Levels that a traversal on the host may have to remember; kernels climb (descent.h). Each level of the tree pushes at most one
+// Levels that a traversal on the host may have to remember; kernels climb (walk.h). Each level of the tree pushes at most one
 // sibling, and the builder keeps leaves at depth < SEL_TREE_STACK (root: depth 0) whatever the mesh.
 #define SEL_TREE_STACK 48
 #define SEL_TREE_LEAF 4  // most triangles in a leaf

@@ -18,10 +18,9 @@ typedef struct Triangle {
 SEL_FN Triangle load_triangle(SEL_GLOBAL const float* vertices, uint t, vec3 origin)
 {
     SEL_GLOBAL const float* v = vertices + 9 * t;
-    Triangle tri;
-    tri.a = make_vec3((real)v[0] - origin.x, (real)v[1] - origin.y, (real)v[2] - origin.z);
-    tri.b = make_vec3((real)v[3] - origin.x, (real)v[4] - origin.y, (real)v[5] - origin.z);
-    tri.c = make_vec3((real)v[6] - origin.x, (real)v[7] - origin.y, (real)v[8] - origin.z);
+    const Triangle tri = {make_vec3((real)v[0] - origin.x, (real)v[1] - origin.y, (real)v[2] - origin.z),
+                          make_vec3((real)v[3] - origin.x, (real)v[4] - origin.y, (real)v[5] - origin.z),
+                          make_vec3((real)v[6] - origin.x, (real)v[7] - origin.y, (real)v[8] - origin.z)};
     return tri;
 }
 

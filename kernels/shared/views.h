@@ -22,10 +22,7 @@ typedef struct NearWallView {
 
 SEL_FN NearWallView near_wall_view(WallView wall, SEL_GLOBAL const uint* list, uint count)
 {
-    NearWallView near;
-    near.wall = wall;
-    near.list = list;
-    near.count = count;
+    const NearWallView near = {wall, list, count};
     return near;
 }
 
@@ -38,10 +35,7 @@ typedef struct NodeView {
 
 SEL_FN NodeView node_view(SEL_GLOBAL const float* hi, SEL_GLOBAL const real* lo, SEL_GLOBAL const real* theta)
 {
-    NodeView nodes;
-    nodes.hi = hi;
-    nodes.lo = lo;
-    nodes.theta = theta;
+    const NodeView nodes = {hi, lo, theta};
     return nodes;
 }
 
@@ -80,10 +74,7 @@ SEL_FN AxisPoint axis_point(uint node, real bary, NodeView nodes)
 
 SEL_FN WallView wall_view(SEL_GLOBAL const TreeNode* nodes, SEL_GLOBAL const float* vertices, SEL_GLOBAL const uint* boundary)
 {
-    WallView wall;
-    wall.nodes = nodes;
-    wall.vertices = vertices;
-    wall.boundary = boundary;
+    const WallView wall = {nodes, vertices, boundary};
     return wall;
 }
 

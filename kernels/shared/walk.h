@@ -5,11 +5,47 @@
 // same order.
 #ifndef SEL_SHARED_WALK_H
 #define SEL_SHARED_WALK_H
-#include "shared/descent.h"
+#include "shared/tree_types.h"
 #include "shared/triangle.h"
 #include "shared/views.h"
 
 SEL_BEGIN
+
+// Walk down and up the wall's tree without a stack, in the tree's own order. A stack would lie in a graphics card's memory, 192
+// bytes of each work-item. Children stand in pairs, the left one at an odd index, and inner nodes know their parents
+// (tree_types.h).
+
+#define SEL_NO_NODE 0xffffffffu
+
+typedef struct Descent {
+    uint root;    // of the subtree
+    uint at;      // the node to look at; SEL_NO_NODE: all have been seen
+    uint parent;  // of `at`, unless that is the root
+} Descent;
+
+SEL_FN Descent descent_from(uint root)
+{
+    Descent way;
+    way.root = way.at = root;
+    way.parent = 0;
+    return way;
+}
+
+SEL_FN void go_down(Descent* way, TreeNode node)
+{
+    way->parent = way->at;
+    way->at = node.left_or_first;
+}
+
+// To the next node that is not below this one, in the tree's order.
+SEL_FN void go_on(Descent* way, SEL_GLOBAL const TreeNode* nodes)
+{
+    while (way->at != way->root && SEL_IS_RIGHT(way->at)) {
+        way->at = way->parent;
+        way->parent = SEL_PARENT(nodes[way->at].count);
+    }
+    way->at = way->at == way->root ? SEL_NO_NODE : way->at + 1;
+}
 
 // A listed node is a leaf, or at most this many radii long in any direction.
 #define SEL_NEAR_CELL_SIZE 2
@@ -80,11 +116,7 @@ typedef struct WallQuery {
 // All within `range`.
 SEL_FN WallQuery ball_query(vec3 p, vec3 origin, real range)
 {
-    WallQuery query;
-    query.p = p;
-    query.origin = origin;
-    query.range = query.shell = range;
-    query.side = make_vec3(0, 0, 0);
+    const WallQuery query = {p, origin, range, range, make_vec3(0, 0, 0)};
     return query;
 }
 

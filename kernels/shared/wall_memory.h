@@ -47,16 +47,10 @@ typedef struct WallMemory {
 
 #if !SEL_SUMS_IN_MEMORY
 
-SEL_FN real distance_of(vec3 p, SEL_GLOBAL const real* at)
-{
-    const vec3 d = make_vec3(p.x - at[0], p.y - at[1], p.z - at[2]);
-    return sqrt(dot3(d, d));
-}
-
 // How far the listed nodes hold the whole wall round p.
 SEL_FN real listed_range(vec3 p, real radius, SEL_GLOBAL const Clearance* known)
 {
-    return known->range - distance_of(p, known->list_at) - SEL_CLEARANCE_MARGIN * radius;
+    return known->range - distance_from(p, known->list_at) - SEL_CLEARANCE_MARGIN * radius;
 }
 
 // A point at an evaluation, and its memory.
@@ -70,12 +64,7 @@ typedef struct Recall {
 
 SEL_FN Recall no_recall(void)
 {
-    Recall recall;
-    recall.memory = 0;
-    recall.known = 0;
-    recall.moved = 0;
-    recall.kept = 0;
-    recall.returns = 0;
+    const Recall recall = {0, 0, 0, 0, 0};
     return recall;
 }
 
@@ -87,7 +76,7 @@ SEL_FN Recall recall_wall(SEL_GLOBAL WallMemory* memory, SEL_GLOBAL const Cleara
     recall.memory = memory;
     recall.known = known;
     recall.returns = returns != 0;
-    recall.moved = distance_of(ball.origin + ball.p, memory->at) + SEL_CLEARANCE_MARGIN * ball.radius;
+    recall.moved = distance_from(ball.origin + ball.p, memory->at) + SEL_CLEARANCE_MARGIN * ball.radius;
     recall.kept = recall.moved < memory->range;
     return recall;
 }
@@ -141,9 +130,7 @@ SEL_FN void find_and_keep(ContactPoint* contact, ContactBall ball, NearWallView 
     }
     list->count = search.listed;
     const int serves = beyond > 0 && kept <= SEL_KEPT_MOST;
-    memory->at[0] = p.x;
-    memory->at[1] = p.y;
-    memory->at[2] = p.z;
+    store_vec(memory->at, p);
     memory->range = serves ? min_r(search.shell + beyond, listed_range(p, ball.radius, recall->known)) : (real)0;
     memory->count = serves ? kept : 0;
     if (!serves && memory->crowded < 2) memory->crowded += 1;
@@ -152,8 +139,8 @@ SEL_FN void find_and_keep(ContactPoint* contact, ContactBall ball, NearWallView 
 // How far the axis has moved, and its side turned, since there was room beyond it.
 SEL_FN real room_lost(const ContactPoint* first, ContactBall ball, SEL_GLOBAL const WallMemory* memory)
 {
-    const real moved = distance_of(ball.origin + ball.p, memory->clear_at) + SEL_CLEARANCE_MARGIN * ball.radius;
-    return moved + distance_of(first->side, memory->clear_side) * (ball.radius + ball.reach + moved);
+    const real moved = distance_from(ball.origin + ball.p, memory->clear_at) + SEL_CLEARANCE_MARGIN * ball.radius;
+    return moved + distance_from(first->side, memory->clear_side) * (ball.radius + ball.reach + moved);
 }
 
 // Is it known that there is no opposite wall?
@@ -174,26 +161,15 @@ SEL_FN void find_opposite(const ContactPoint* first, ContactPoint* second, Conta
             second->found = 0;
             return;
         }
-        const int was_tight = memory->clear < 0 && distance_of(p, memory->clear_at) < (real)0.5 * ball.radius;
+        const int was_tight = memory->clear < 0 && distance_from(p, memory->clear_at) < (real)0.5 * ball.radius;
         if (!was_tight)
             room = min_r(SEL_KEPT_CLEAR * ball.radius, listed_range(p, ball.radius, recall->known) - ball.radius - ball.reach);
     }
     const int clear = walk_opposite(first, second, ball, near, max_r(room, 0));
     if (!(room > 0)) return;
     memory->clear = clear ? room : (real)-1;
-    memory->clear_at[0] = p.x;
-    memory->clear_at[1] = p.y;
-    memory->clear_at[2] = p.z;
-    memory->clear_side[0] = first->side.x;
-    memory->clear_side[1] = first->side.y;
-    memory->clear_side[2] = first->side.z;
-}
-
-SEL_FN void put_vec3(SEL_GLOBAL real* to, vec3 v)
-{
-    to[0] = v.x;
-    to[1] = v.y;
-    to[2] = v.z;
+    store_vec(memory->clear_at, p);
+    store_vec(memory->clear_side, first->side);
 }
 
 SEL_FN vec3 vec3_at(SEL_GLOBAL const real* from) { return make_vec3(from[0], from[1], from[2]); }
@@ -206,10 +182,10 @@ SEL_FN void keep_touch(const ContactPoint* first, ContactBall ball, const Recall
     if (!recall->returns || !(first->limit < 0) || first->depth > SEL_TOUCH_DEEPEST * ball.radius) return;
     if (!is_known_clear(first, ball, recall->memory)) return;
     SEL_GLOBAL TouchMemory* touch = &recall->memory->touch;
-    put_vec3(touch->offset, ball.p);
-    put_vec3(touch->origin, ball.origin);
-    put_vec3(touch->normal, first->normal);
-    put_vec3(touch->to_wall, first->to_wall);
+    store_vec(touch->offset, ball.p);
+    store_vec(touch->origin, ball.origin);
+    store_vec(touch->normal, first->normal);
+    store_vec(touch->to_wall, first->to_wall);
     touch->depth = first->depth;
     for (int k = 0; k < 6; ++k) touch->hessian[k] = first->hessian[k];
     touch->triangle = first->triangle;

@@ -146,7 +146,13 @@ TEST_SUITE("apps/bad_input")
         const std::string crumb = tube_obj() + "v 15 0 12\nv 20 0 12\nf 53 69 145\nf 69 146 145\n";
         folder.write("crumb.obj", crumb);
         elastic("crumb.toml", "crumb.obj");
-        CHECK(has(run_app(folder, "check crumb.toml").out, "hung on the wall by a corner"));
+        const std::string told = run_app(folder, "check crumb.toml").out;
+        CHECK(told.find("1 triangle hung on the wall by a corner and was removed.") != std::string::npos);
+        CHECK(told.find("without area") == std::string::npos);
+        folder.write("flap.obj", tube_obj() + "v 15 0 12\nf 53 69 145\n");
+        folder.write("flap.toml", mesh_scene("flap.obj"));
+        CHECK(run_app(folder, "check flap.toml").out.find("1 triangle hung on the wall as a flap and was removed.") !=
+              std::string::npos);
         folder.write("fin.obj", crumb + "v 15 0 20\nv 20 0 20\nf 145 146 148\nf 145 148 147\n");
         elastic("fin.toml", "fin.obj");
         refused(folder, "run fin.toml -o D", 3, "one sheet");

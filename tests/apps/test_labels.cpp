@@ -1,7 +1,7 @@
 // seldinger render --labels, --preview and labels --coco: files, views, farms, and refusals.
 #include "app_fixture.h"
 #include "io/coco_write.h"
-#include "io/png_read.h"
+#include "io/png_write.h"
 #include "support/approx.h"
 #include "support/skip.h"
 

@@ -1,6 +1,6 @@
 // The answer of a batch: counts, ranking, resolved differences, and digits.
+#include "bands/error_band.h"
 #include "batch/batch_answer.h"
-#include "run/force_text.h"
 #include "support/approx.h"
 
 #include <algorithm>

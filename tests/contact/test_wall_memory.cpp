@@ -100,7 +100,7 @@ TEST_SUITE("contact/wall_memory")
                         AxisPoint at{};
                         at.origin = v3(static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z));
                         at.offset = p - at.origin;
-                        if (count == 0 || distance_of(p, known.list_at) > 0.4 * r) {
+                        if (count == 0 || distance_from(p, known.list_at) > 0.4 * r) {
                             count = find_near_cells(at, range, SEL_NEAR_CELL_SIZE * r, wall, static_cast<uint>(near_cells.size()),
                                                     near_cells.data());
                             known = found_clearance(p, range, 0.4 * r, r, count);

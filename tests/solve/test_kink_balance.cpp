@@ -3,7 +3,7 @@
 
 #include "math/dof_map.h"
 #include "math/small_dense.h"
-#include "newton/kink_balance.h"
+#include "newton/kinks.h"
 #include "support/approx.h"
 
 #include <cmath>

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <cstring>
+#include <string>
 #include <type_traits>
 #include <vector>
 
@@ -50,5 +51,71 @@ void take_bytes(const std::uint8_t*& bytes, const std::uint8_t* end, T* data, st
     if (size > 0) std::memcpy(data, bytes, size);
     bytes += size;
 }
+
+/// Appends what it is called with. The length of a text or a list goes before it.
+struct ByteWriter {
+    std::vector<std::uint8_t>& bytes;
+
+    template <class T>
+    void operator()(const T& value)
+    {
+        put_bytes(bytes, &value, 1);
+    }
+    void operator()(const std::string& text)
+    {
+        (*this)(std::uint64_t{text.size()});
+        put_bytes(bytes, text.data(), text.size());
+    }
+    template <class T>
+    void operator()(const std::vector<T>& list)
+    {
+        (*this)(std::uint64_t{list.size()});
+        if constexpr (std::is_trivially_copyable_v<T>) put_bytes(bytes, list.data(), list.size());
+        else
+            for (const T& item : list) (*this)(item);
+    }
+};
+
+/// Takes the same back from a file of unknown origin. @throws Error BadFile where it claims more than there is
+struct ByteReader {
+    const std::uint8_t *at, *end;
+
+    template <class T>
+    void operator()(T& value)
+    {
+        take_bytes(at, end, &value, 1);
+    }
+    void operator()(bool& flag)
+    {
+        std::uint8_t byte = 0;
+        (*this)(byte);
+        if (byte > 1) throw Error(ErrorKind::BadFile, "is corrupt: a value is out of range");
+        flag = byte == 1;
+    }
+    void operator()(std::string& text)
+    {
+        text.resize(count(1));
+        take_bytes(at, end, text.data(), text.size());
+    }
+    template <class T>
+    void operator()(std::vector<T>& list)
+    {
+        if constexpr (std::is_trivially_copyable_v<T>) {
+            list.resize(count(sizeof(T)));
+            take_bytes(at, end, list.data(), list.size());
+        } else {
+            list.clear();
+            for (std::size_t left = count(1); left > 0; --left) (*this)(list.emplace_back());
+        }
+    }
+    /// A length: no reason to ask for memory that nothing is there for. @param least  bytes that each takes
+    [[nodiscard]] std::size_t count(std::size_t least)
+    {
+        std::uint64_t n = 0;
+        (*this)(n);
+        if (n > static_cast<std::uint64_t>(end - at) / least) throw Error(ErrorKind::BadFile, "a list is longer than the file");
+        return static_cast<std::size_t>(n);
+    }
+};
 
 }  // namespace seldinger

@@ -1,5 +1,4 @@
 // The message of a failed check, and the handler that a program may put in its place.
-
 #include "core/check.h"
 
 #include "core/assertion.h"
@@ -9,7 +8,6 @@
 #include <cstdlib>
 
 namespace seldinger {
-
 namespace {
 
 std::atomic<AssertionHandler> the_handler{nullptr};

@@ -115,12 +115,6 @@ bool Folder::has(const std::string& name) const
     return is_name(name) && ::fstatat(fd(), name.c_str(), &status, AT_SYMLINK_NOFOLLOW) == 0;
 }
 
-bool Folder::has_file(const std::string& name) const
-{
-    struct stat status {};
-    return is_name(name) && ::fstatat(fd(), name.c_str(), &status, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(status.st_mode);
-}
-
 bool Folder::has_below(const fs::path& file) const
 {
     Folder at = *this;

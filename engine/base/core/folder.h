@@ -59,8 +59,6 @@ public:
 
     /// Whether anything has that name, a link that leads nowhere too.
     [[nodiscard]] bool has(const std::string& name) const;
-    /// Whether it is there and a plain file: no link, pipe or device.
-    [[nodiscard]] bool has_file(const std::string& name) const;
     /// The same of a path of names; without a link on the way. @throws Error BadFile: a link in the place of a folder
     [[nodiscard]] bool has_below(const std::filesystem::path& file) const;
     /// Its entries, in the order of the names. @throws Error BadFile

@@ -18,7 +18,6 @@
 #include <mutex>
 
 namespace seldinger::device {
-
 namespace {
 
 constexpr std::array<int, 5> crashes = {SIGABRT, SIGSEGV, SIGBUS, SIGILL, SIGFPE};

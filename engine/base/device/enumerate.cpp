@@ -14,7 +14,6 @@
 #include <mutex>
 
 namespace seldinger::device {
-
 namespace {
 
 constexpr std::string_view pocl = "Portable Computing Language";

@@ -1,5 +1,4 @@
 // Sums of a profile, by kernel.
-
 #include "device/profile.h"
 
 #include "device/device.h"
@@ -10,7 +9,6 @@
 #include <utility>
 
 namespace seldinger::device {
-
 namespace {
 
 std::optional<Profile> sums;

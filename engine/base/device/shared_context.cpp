@@ -17,7 +17,6 @@
 #include <optional>
 
 namespace seldinger::device {
-
 namespace {
 
 constexpr long first_start = 600;  // [s] programs that young may have been built by another process of the same first start

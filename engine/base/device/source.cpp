@@ -1,6 +1,5 @@
 // Puts the text of a kernel file together from the embedded sources, or from SEL_KERNEL_DIR if that is set (to change kernels
 // without a rebuild).
-
 #include "core/error.h"
 #include "device/device.h"
 #include "device/kernel_sources.h"
@@ -14,7 +13,6 @@
 #include <sstream>
 
 namespace seldinger::device {
-
 namespace {
 
 std::mutex added_guard;

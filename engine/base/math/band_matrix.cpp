@@ -1,5 +1,4 @@
 // Factors of the band matrix, node by node, and solutions with them.
-
 #include "math/band_matrix.h"
 
 #include "math/node_lanes.h"
@@ -10,7 +9,6 @@
 #include <cstring>
 
 namespace seldinger {
-
 namespace {
 
 constexpr std::size_t row_end = 4;                            // whole vectors may be read at the last row's end

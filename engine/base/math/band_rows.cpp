@@ -1,5 +1,4 @@
 // Row operations on the entries of a banded matrix.
-
 #include "math/band_matrix.h"
 
 #include <algorithm>

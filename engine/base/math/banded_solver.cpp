@@ -1,5 +1,4 @@
 // Factors and solutions of a band with entries far from it, and of what is condensed beside it.
-
 #include "math/banded_solver.h"
 
 #include "math/node_factors.h"

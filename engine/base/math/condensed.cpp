@@ -1,5 +1,4 @@
 // Elimination of a compliant foundation's unknowns.
-
 #include "math/condensed.h"
 
 #include "core/check.h"
@@ -10,7 +9,6 @@
 #include <cmath>
 
 namespace seldinger {
-
 namespace {
 
 constexpr double guessed = 1e-6;  // accuracy of guess_own: less than Newton leaves

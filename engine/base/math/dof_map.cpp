@@ -1,5 +1,4 @@
 // Order of a system's nodes.
-
 #include "math/dof_map.h"
 
 #include <algorithm>

@@ -1,5 +1,4 @@
 // Blocks of entries outside of a band.
-
 #include "math/far_entries.h"
 
 namespace seldinger {

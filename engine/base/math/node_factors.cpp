@@ -1,5 +1,4 @@
 // Factors of band and far entries, node by node in a given order, and solutions with them.
-
 #include "math/node_factors.h"
 
 #include "math/node_lanes.h"

@@ -1,12 +1,10 @@
 // Blocks filled by the factors of band and far entries, in a given order of elimination.
-
 #include "math/dissection.h"
 #include "math/node_factors.h"
 
 #include <algorithm>
 
 namespace seldinger {
-
 namespace {
 
 std::uint64_t key_of(const FarEntries::Block& block)

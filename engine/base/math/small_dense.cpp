@@ -1,5 +1,4 @@
 // LU of small dense matrices [Golub13, sec. 3.4].
-
 #include "math/small_dense.h"
 
 #include <algorithm>

@@ -1,5 +1,4 @@
 // Chooses edges to split and nodes to merge, by the measures of adapt.h.
-
 #include "nodes/adapt.h"
 
 #include "core/check.h"
@@ -11,7 +10,6 @@
 #include <cmath>
 
 namespace seldinger {
-
 namespace {
 
 constexpr double merge_share = 0.65;    // merged edge against the longest allowed, see adapt.h

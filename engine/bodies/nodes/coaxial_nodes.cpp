@@ -1,5 +1,4 @@
 // Moments and torques of instruments that share a centreline, and what nodes/split.cpp asks of them.
-
 #include "nodes/coaxial_nodes.h"
 
 #include "nodes/adapt.h"

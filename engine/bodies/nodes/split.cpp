@@ -1,5 +1,4 @@
 // Splits and merges edges, and keeps forces and momentum of the rod.
-
 #include "nodes/split.h"
 
 #include "core/check.h"

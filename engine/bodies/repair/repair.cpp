@@ -2,6 +2,7 @@
 #include "repair/repair.h"
 
 #include "core/error.h"
+#include "core/printable.h"
 #include "repair/repair_steps.h"
 #include "vessel/mesh_components.h"
 #include "vessel/mesh_limits.h"
@@ -47,9 +48,7 @@ void count(const WallMesh& mesh, const MeshEdges& edges, RepairReport& report)
 
 void write_notes(RepairReport& report)
 {
-    auto say = [&](long number, const char* one, const char* many) {
-        if (number > 0) report.notes.push_back(fmt::format("{} {}.", number, number == 1 ? one : many));
-    };
+    const auto say = [&](long number, const char* one, const char* many) { repair_steps::note(report, number, one, many); };
     say(report.non_finite_dropped, "triangle had a corner that is not a number and was removed",
         "triangles had a corner that is not a number and were removed");
     say(report.degenerate_dropped, "triangle without area was removed", "triangles without area were removed");
@@ -67,6 +66,11 @@ void write_notes(RepairReport& report)
 }
 
 }  // namespace
+
+void repair_steps::note(RepairReport& report, long number, const char* one, const char* many)
+{
+    if (number > 0) report.notes.push_back(count_of(static_cast<std::size_t>(number), one, many) + ".");
+}
 
 RepairReport repair(WallMesh& mesh, bool holes)
 {

@@ -286,10 +286,8 @@ void drop_duplicates(WallMesh& mesh, RepairReport& report)
         return !fold[t] && static_cast<std::size_t>(twin[t]) > t;
     });
     report.duplicates_dropped += dropped;
-    if (folds > 0)
-        report.notes.push_back(std::to_string(folds / 2) +
-                               " pairs of triangles lay face to face as folds without a lumen between them; "
-                               "both of each pair were removed.");
+    note(report, folds / 2, "pair of triangles lay face to face as a fold without a lumen between; both were removed",
+         "pairs of triangles lay face to face as folds without a lumen between them; both of each pair were removed");
 }
 
 MeshEdges drop_flaps(WallMesh& mesh, RepairReport& report)
@@ -315,10 +313,8 @@ MeshEdges drop_flaps(WallMesh& mesh, RepairReport& report)
         last = keep_triangles(mesh, [&](std::size_t t) { return !flap[t]; });
         dropped += last;
     }
-    if (dropped > 0) {
-        report.degenerate_dropped += dropped;
-        report.notes.push_back(std::to_string(dropped) + " triangles hung on the wall as flaps and were removed.");
-    }
+    note(report, dropped, "triangle hung on the wall as a flap and was removed",
+         "triangles hung on the wall as flaps and were removed");
     drop_unused_vertices(mesh);  // which keeps the order of the others, and with it that of the edges
     return edges;
 }
@@ -335,9 +331,8 @@ void weld_rims(WallMesh& mesh, MeshEdges& edges, RepairReport& report)
     rim.erase(std::unique(rim.begin(), rim.end()), rim.end());
     const std::vector<std::int32_t> label = label_components(mesh, edges);
     if (rim.empty() || *std::max_element(label.begin(), label.end()) == 0) return;
-    std::vector<std::int32_t> part(mesh.vertices.size(), 0), target(mesh.vertices.size(), -1);
-    for (std::size_t t = 0; t < label.size(); ++t)
-        for (const std::int32_t v : mesh.triangles[t]) part[static_cast<std::size_t>(v)] = label[t];
+    const std::vector<std::int32_t> part = labels_of_vertices(mesh, label);
+    std::vector<std::int32_t> target(mesh.vertices.size(), -1);
     std::vector<Vec3> places;
     Box3 box;
     for (const std::int32_t v : rim) places.push_back(mesh.vertices[static_cast<std::size_t>(v)]), box.extend(places.back());
@@ -349,8 +344,8 @@ void weld_rims(WallMesh& mesh, MeshEdges& edges, RepairReport& report)
     }
     if (joined == 0) return;
     report.vertices_welded += joined;
-    report.notes.push_back(std::to_string(joined) +
-                           " points on rims of parts that nearly meet were joined (gaps below 2 % of an edge).");
+    note(report, joined, "point on rims of parts that nearly meet was joined (gaps below 2 % of an edge)",
+         "points on rims of parts that nearly meet were joined (gaps below 2 % of an edge)");
     for (auto& triangle : mesh.triangles)
         for (auto& v : triangle)
             if (target[static_cast<std::size_t>(v)] >= 0) v = target[static_cast<std::size_t>(v)];
@@ -384,8 +379,8 @@ void drop_crumbs(WallMesh& mesh, MeshEdges& edges, RepairReport& report)
         return beside[part] < times * size[part];
     });
     if (dropped == 0) return;
-    report.degenerate_dropped += dropped;
-    report.notes.push_back(std::to_string(dropped) + " triangles hung on the wall by a corner and were removed.");
+    note(report, dropped, "triangle hung on the wall by a corner and was removed",
+         "triangles hung on the wall by a corner and were removed");
     drop_unused_vertices(mesh);
     edges = find_edges(mesh);
 }

@@ -11,6 +11,9 @@ namespace seldinger::repair_steps {
 
 constexpr double kSliverQuality = 0.05;  // triangle_quality below which a triangle counts as a sliver
 
+/// A note of so many, if any.
+void note(RepairReport& report, long number, const char* one, const char* many);
+
 // repair_clean.cpp
 [[nodiscard]] double median_edge(const WallMesh& mesh);  // of those longer than 0 [m]
 void drop_non_finite(WallMesh& mesh, RepairReport& report);

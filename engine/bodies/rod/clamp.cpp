@@ -1,5 +1,4 @@
 // Angle between a clamp and the edges that meet there, and the energy of its springs.
-
 #include "rod/clamp.h"
 
 #include "core/check.h"

@@ -1,5 +1,4 @@
 // Energy of instruments that share a centreline and its derivatives: stencils (rod/coaxial_stencil.h) put in their places.
-
 #include "rod/coaxial_stencil.h"
 
 #include "core/check.h"

@@ -109,12 +109,7 @@ struct CoaxialBase {
     /// The sleeve as a clamp of a wire with `nodes` nodes; each instrument is turned by itself.
     [[nodiscard]] RodClamp clamp(int nodes) const
     {
-        RodClamp sleeve;
-        sleeve.node = nodes - 1;
-        sleeve.spin = true;
-        sleeve.tangent = tangent;
-        sleeve.director = director;
-        return sleeve;
+        return {.node = nodes - 1, .spin = true, .tangent = tangent, .director = director};
     }
 };
 

@@ -1,5 +1,4 @@
 // Forces at the hands of instruments that share a centreline: change of the energy when one of them is pushed or turned.
-
 #include "rod/coaxial_stencil.h"
 
 #include <algorithm>

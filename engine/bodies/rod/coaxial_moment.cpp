@@ -1,5 +1,4 @@
 // The bending moment of a common centreline and its shares.
-
 #include "rod/coaxial_moment.h"
 
 #include "rod/coaxial_stencil.h"

@@ -1,5 +1,4 @@
 // Integrals of instruments that share a centreline, over cells and edges, and how they change when an instrument is pushed.
-
 #include "core/check.h"
 #include "rod/coaxial.h"
 

@@ -6,7 +6,6 @@
 //       = S f^2 |kappa|^2/2 - sum S f kappa.r_k + sum_{k<l} Re(conj(phase_k) phase_l G_kl) + const,
 //     G_kl = S conj(rest_k) rest_l - couple_kl
 // The first two are rod/pair.h's; the third knows angles only.
-
 #include "rod/coaxial_stencil.h"
 
 #include <algorithm>

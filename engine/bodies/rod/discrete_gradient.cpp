@@ -1,5 +1,4 @@
 // Discrete gradients of stretching, bending and twist, stencil by stencil.
-
 #include "rod/discrete_gradient.h"
 
 #include "core/check.h"
@@ -9,7 +8,6 @@
 #include <algorithm>
 
 namespace seldinger {
-
 namespace {
 
 /// sin(x)/x

@@ -4,7 +4,6 @@
 // in y is block tridiagonal, A_j on the diagonal, C_j between j and j+1. With e_j = x_{j+1} - x_j each 4x4 block of the
 // nodes' Hessian is a signed sum of at most four of these. So the wire is walked once, from tip to hub, with two edges in hand,
 // and every entry of the band is touched once.
-
 #include "rod/elastic.h"
 
 #include "core/check.h"
@@ -14,7 +13,6 @@
 #include <numbers>
 
 namespace seldinger {
-
 namespace {
 
 Pair node_pair(const RodView& rod, const RodFrames& frames, int i)

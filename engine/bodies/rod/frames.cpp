@@ -1,5 +1,4 @@
 // Frames of a wire: parallel transport in time of each edge's reference frame, reference twist, curvature, twist.
-
 #include "core/check.h"
 #include "math/lanes.h"
 #include "rod/clamp.h"

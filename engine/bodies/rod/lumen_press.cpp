@@ -1,12 +1,10 @@
 // The least of J by Newton's method on its banded equations.
-
 #include "rod/lumen_press.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace seldinger {
-
 namespace {
 
 using Complex = LumenPress::Complex;

@@ -1,11 +1,9 @@
 // Shapes that a wire can be placed along.
-
 #include "rod/place.h"
 
 #include "core/error.h"
 #include "rod/elastic.h"
 #include "rod/transport.h"
-#include "shared/segment.h"
 
 #include <fmt/format.h>
 
@@ -16,7 +14,6 @@
 #include <numbers>
 
 namespace seldinger {
-
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -80,15 +77,9 @@ Curve curve_of(const WirePlacement& place, double wire_length, std::span<const V
     n.normalize();
     const double forever = std::numeric_limits<double>::infinity();
     switch (place.shape) {
-        case PlaceShape::Arc: {
-            const double r = place.bend_radius;
-            return {[=, base = place.base](double u) -> Vec3 {
-                        return base + r * std::sin(u / r) * d + r * (1 - std::cos(u / r)) * n;
-                    },
-                    forever};
-        }
+        case PlaceShape::Arc:
         case PlaceShape::Ring: {
-            const double r = wire_length / (2 * pi);
+            const double r = place.shape == PlaceShape::Arc ? place.bend_radius : wire_length / (2 * pi);
             return {[=, base = place.base](double u) -> Vec3 {
                         return base + r * std::sin(u / r) * d + r * (1 - std::cos(u / r)) * n;
                     },
@@ -192,14 +183,44 @@ void lay_along(const RodView& rod, std::span<const Vec3> path)
     }
 }
 
+namespace {
+
+/// Squared distance of two segments p + s u and q + t v, s and t in [0, 1] [Ericson05, sec. 5.1.9].
+double segments_distance2(const Vec3& p, const Vec3& u, const Vec3& q, const Vec3& v)
+{
+    const Vec3 r = p - q;
+    const double a = u.dot(u), e = v.dot(v), f = v.dot(r);
+    double s = 0, t = 0;
+    if (e > 0) {
+        const double c = u.dot(r), b = u.dot(v), det = a * e - b * b;
+        if (a > 0) {
+            s = det > 0 ? std::clamp((b * f - c * e) / det, 0.0, 1.0) : 0.0;
+            t = b * s + f;
+            if (t < 0) {
+                t = 0;
+                s = std::clamp(-c / a, 0.0, 1.0);
+            } else if (t > e) {
+                t = 1;
+                s = std::clamp((b - c) / a, 0.0, 1.0);
+            } else t = t / e;
+        } else {
+            t = std::clamp(f / e, 0.0, 1.0);
+        }
+    } else if (a > 0) {
+        s = std::clamp(-u.dot(r) / a, 0.0, 1.0);
+    }
+    const Vec3 d = r + s * u - t * v;
+    return d.dot(d);
+}
+
+}  // namespace
+
 double axis_distance(const RodView& a, const RodView& b)
 {
-    const auto point = [](const RodView& rod, int i) { return make_vec3(rod.x[i], rod.y[i], rod.z[i]); };
     double least2 = std::numeric_limits<double>::infinity();
     for (int i = 0; i + 1 < a.n; ++i)
         for (int j = 0; j + 1 < b.n; ++j)
-            least2 = std::min(least2, segments_distance2(point(a, i), point(a, i + 1) - point(a, i), point(b, j),
-                                                         point(b, j + 1) - point(b, j)));
+            least2 = std::min(least2, segments_distance2(a.pos(i), a.pos(i + 1) - a.pos(i), b.pos(j), b.pos(j + 1) - b.pos(j)));
     return std::sqrt(least2);
 }
 

@@ -3,7 +3,6 @@
 // A node has its Voronoi cell, from the middle of one edge to the middle of the next; an edge its own length.
 // Stiffnesses in series add their compliances, so a node at a jump of stiffness turns by M int ds/B under the moment M. B =
 // length / int ds/B keeps a jump of 1000:1 as accurate as a uniform wire wherever it lies in the cell.
-
 #include "rod/elastic.h"
 
 #include "core/check.h"
@@ -15,7 +14,6 @@
 #include <numbers>
 
 namespace seldinger {
-
 namespace {
 
 /// Calls visit(section, length) for each uniform piece of [begin, end], material beyond the wire's ends being like that at them.

@@ -1,5 +1,4 @@
 // Memory of all wires, and the order of its arrays.
-
 #include "rod/rod_arrays.h"
 
 #include "core/check.h"
@@ -9,7 +8,6 @@
 #include <limits>
 
 namespace seldinger {
-
 namespace {
 
 constexpr double positive = std::numeric_limits<double>::denorm_min(), most_length = 1e4, most_angle = 1e9;  // [m], [rad]

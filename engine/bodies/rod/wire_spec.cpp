@@ -1,5 +1,4 @@
 // Sections of a wire, looked up by material coordinate.
-
 #include "rod/wire_spec.h"
 
 #include <algorithm>

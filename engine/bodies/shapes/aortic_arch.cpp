@@ -230,10 +230,7 @@ GeneratedVessel make_aortic_arch(const ArchSpec& spec)
 
 GeneratedVessel make_aortic_arch(const VesselSpec& spec)
 {
-    ArchSpec arch;
-    arch.origin = spec.origin;
-    arch.superior = spec.axis;
-    arch.anterior = spec.normal;
+    ArchSpec arch{.origin = spec.origin, .superior = spec.axis, .anterior = spec.normal};
     if (spec.triangles != 0) arch.triangles = spec.triangles;
     return make_aortic_arch(arch);
 }

@@ -7,7 +7,6 @@
 #include <numbers>
 
 namespace seldinger {
-
 namespace {
 
 /// What the neighbours of a vertex say of its new place.

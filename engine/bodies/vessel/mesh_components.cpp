@@ -12,6 +12,14 @@ std::vector<std::int32_t> label_components(const WallMesh& mesh, const MeshEdges
     return label_sets(mesh, edges, [](std::span<const std::int32_t>) { return true; });
 }
 
+std::vector<std::int32_t> labels_of_vertices(const WallMesh& mesh, const std::vector<std::int32_t>& label)
+{
+    std::vector<std::int32_t> of_vertex(mesh.vertices.size(), -1);
+    for (std::size_t t = 0; t < label.size(); ++t)
+        for (const std::int32_t v : mesh.triangles[t]) of_vertex[static_cast<std::size_t>(v)] = label[t];
+    return of_vertex;
+}
+
 std::vector<bool> vertices_of_largest(const WallMesh& mesh, const std::vector<std::int32_t>& label)
 {
     std::vector<double> area;
@@ -50,9 +58,7 @@ std::vector<MeshComponent> measure_components(const WallMesh& mesh, const MeshEd
             part.volume += (tri.a - centre).dot(area) / 6;
         }
     }
-    std::vector<std::int32_t> vertex_label(mesh.vertices.size(), 0);
-    for (std::size_t t = 0; t < label.size(); ++t)
-        for (const std::int32_t v : mesh.triangles[t]) vertex_label[static_cast<std::size_t>(v)] = label[t];
+    const std::vector<std::int32_t> vertex_label = labels_of_vertices(mesh, label);
     for (const auto& chain : boundary_chains(mesh, edges)) {
         MeshComponent& part = components[static_cast<std::size_t>(vertex_label[static_cast<std::size_t>(chain[0])])];
         const Vec3 origin = part.box.center(), top = describe_loop(mesh, chain).centre - origin;

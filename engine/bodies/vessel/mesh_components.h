@@ -52,6 +52,9 @@ template <class Joins>
 /// Component of each triangle [T], numbered in the order of their first triangles.
 [[nodiscard]] std::vector<std::int32_t> label_components(const WallMesh& mesh, const MeshEdges& edges);
 
+/// That of each vertex [V], of its last triangle; -1: no triangle has it.
+[[nodiscard]] std::vector<std::int32_t> labels_of_vertices(const WallMesh& mesh, const std::vector<std::int32_t>& label);
+
 /// Which vertices belong to the component of the largest area [V]; empty for a single component.
 [[nodiscard]] std::vector<bool> vertices_of_largest(const WallMesh& mesh, const std::vector<std::int32_t>& label);
 

@@ -10,8 +10,7 @@
 
 namespace seldinger {
 
-VesselParts::VesselParts(const WallMesh& mesh, const std::vector<BoundaryLoop>& openings)
-    : mesh_(mesh), part_of_vertex_(mesh.vertices.size(), -1)
+VesselParts::VesselParts(const WallMesh& mesh, const std::vector<BoundaryLoop>& openings) : mesh_(mesh)
 {
     const MeshEdges edges = find_edges(mesh);
     const std::vector<std::int32_t> label = label_components(mesh, edges);
@@ -27,9 +26,9 @@ VesselParts::VesselParts(const WallMesh& mesh, const std::vector<BoundaryLoop>& 
         rank[order[k]] = static_cast<int>(k);
         parts_.push_back({area > 0 ? part.area / area : 0, 0, part.volume > 0, part.box});
     }
-    for (std::size_t t = 0; t < label.size(); ++t)
-        for (const std::int32_t v : mesh.triangles[t])
-            part_of_vertex_[static_cast<std::size_t>(v)] = rank[static_cast<std::size_t>(label[t])];
+    part_of_vertex_ = labels_of_vertices(mesh, label);
+    for (int& part : part_of_vertex_)
+        if (part >= 0) part = rank[static_cast<std::size_t>(part)];
     for (const BoundaryLoop& loop : openings)
         if (!loop.vertices.empty())
             ++parts_[static_cast<std::size_t>(part_of_vertex_[static_cast<std::size_t>(loop.vertices[0])])].openings;

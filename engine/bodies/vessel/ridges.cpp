@@ -7,7 +7,6 @@
 #include <cmath>
 
 namespace seldinger {
-
 namespace {
 
 constexpr double flat = 0.02;  // below this two facets are taken to be one [rad]

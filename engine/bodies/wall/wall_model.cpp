@@ -1,5 +1,4 @@
 // Constants of the wall that follow from its shape.
-
 #include "wall/wall_model.h"
 
 #include <algorithm>
@@ -7,7 +6,6 @@
 #include <limits>
 
 namespace seldinger {
-
 namespace {
 
 double median(std::vector<double> radius)

@@ -8,7 +8,6 @@
 #include <vector>
 
 namespace seldinger {
-
 namespace {
 
 // Measured on planes and tubes with edges of 0.1 to 4 decay lengths (docs/wall.md): the constants are the largest ratios of error

@@ -11,7 +11,6 @@
 #include <numeric>
 
 namespace seldinger {
-
 namespace {
 
 // Eigen sums products in blocks that fit the caches it finds, so that sums would round otherwise on another processor. These

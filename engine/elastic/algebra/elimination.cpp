@@ -4,7 +4,6 @@
 #include <algorithm>
 
 namespace seldinger {
-
 namespace {
 
 using Rows = std::vector<std::vector<std::int32_t>>;

@@ -1,5 +1,4 @@
 // Wire and wall solved together: trials, residual, tangent. Start and end of a step: elastic_contact_step.cpp.
-
 #include "coupling/elastic_system.h"
 #include "core/clock.h"
 
@@ -8,7 +7,6 @@
 #include <cmath>
 
 namespace seldinger {
-
 namespace {
 
 constexpr int most_moves = 6;           // of the wall at one trial

@@ -1,5 +1,4 @@
 // Contact with an elastic wall from step to step: feet, possible contacts, the wall's own step, saving.
-
 #include "coupling/elastic_system.h"
 
 #include "core/clock.h"
@@ -10,7 +9,6 @@
 #include <cmath>
 
 namespace seldinger {
-
 namespace {
 
 constexpr double most_made_good = 0.02;  // radii in a step: what a wire's contact takes without notice; and of a merge

@@ -1,5 +1,4 @@
 // Feet of nodes on an elastic wall, and the wall's compliance under them.
-
 #include "coupling/wall_stations.h"
 
 #include <algorithm>
@@ -7,7 +6,6 @@
 #include <numeric>
 
 namespace seldinger {
-
 namespace {
 
 // Factor on the wall's largest displacement: nodes may be that far from the initial wall and still touch it. The largest is that

@@ -1,5 +1,4 @@
 // The wall as a body, made from the vessel's mesh, and its readings.
-
 #include "shell/elastic_wall.h"
 #include "contact/wall_body.h"
 #include "core/clock.h"
@@ -15,7 +14,6 @@
 #include <limits>
 
 namespace seldinger {
-
 namespace {
 
 // Shares of the lumen's radius and of the wall's thickness up to which linear theory does: displacements are then within 2 % of
@@ -24,16 +22,14 @@ constexpr double linear_radius = 0.01, linear_thickness = 0.1, still = 0.01;
 
 ShellSpec shell_spec(const VesselSpec& vessel)
 {
-    ShellSpec spec;
-    spec.youngs = vessel.youngs;
-    spec.poisson = vessel.poisson;
-    spec.thickness = vessel.thickness;
-    spec.support = vessel.support;
-    spec.support_damping = vessel.support_damping;
-    spec.relaxation = vessel.relaxation;
-    spec.pressure = vessel.pressure;
-    spec.rims_held = vessel.rims_held;
-    return spec;
+    return {.youngs = vessel.youngs,
+            .poisson = vessel.poisson,
+            .thickness = vessel.thickness,
+            .support = vessel.support,
+            .support_damping = vessel.support_damping,
+            .relaxation = vessel.relaxation,
+            .pressure = vessel.pressure,
+            .rims_held = vessel.rims_held};
 }
 
 /// Direction and radius of the vessel near a place of its wall.

@@ -4,7 +4,6 @@
 #include "core/check.h"
 #include "math/node_lanes.h"
 #include "shell/shell_strain.h"
-#include "shell/tied_strain.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,6 @@
 // The membrane's strain of a triangle: mean and tied, in shares that depend on how far its edges bow (shell.h says why).
 #include "shell/shell.h"
 #include "shell/shell_strain.h"
-#include "shell/tied_strain.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,6 +3,8 @@
 
 #include "shell/shell.h"
 
+#include <array>
+
 namespace seldinger::shell_detail {
 
 /// Barycentres of the four triangles that a control triangle is cut into, as (u, v); the middle one last.
@@ -39,5 +41,26 @@ inline Mat3 turn_strain(const ShellPoint& from, const ShellPoint& to)
     const double c = turn[0] / turn.norm(), s = turn[1] / turn.norm();
     return Mat3::rows({c * c, s * s, c * s}, {s * s, c * c, -c * s}, {-2 * c * s, 2 * c * s, c * c - s * s});
 }
+
+/// A point of an edge: tangent x_,s, the surface's unit normal, and what each control vertex weighs in x_,s; s runs from 0 to 1.
+struct EdgePoint {
+    Vec3 tangent = Vec3::Zero(), normal = Vec3::Zero();  // [m], [-]
+    std::array<double, LoopStencil::capacity> n_s{};
+};
+
+/// The constant strain of a triangle that stretches its edges as they are stretched on average (shell.h says why).
+struct TiedStrain {
+    /// @param q  a point of the triangle, in whose frame the strain is
+    TiedStrain(const LoopSurface& surface, const ShellPoint& q);
+
+    /// Strain (11, 22, 2 12) per displacement of the stencil's k-th control vertex [1/m].
+    [[nodiscard]] Mat3 weight(std::size_t k) const;
+    /// How much the mean strain counts beside this one: a of shell.h.
+    [[nodiscard]] double share_of_mean(double thickness) const;
+
+    std::array<std::array<EdgePoint, 2>, 3> points;  // Gauss points of each edge
+    Mat3 of_stretch = Mat3::Zero();                  // strain per sum of t . u_,s over an edge's two points [1/m]
+    double bow = 0;                                  // l^2/R of the edge that bows most [m]
+};
 
 }  // namespace seldinger::shell_detail

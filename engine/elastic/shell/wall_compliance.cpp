@@ -11,7 +11,6 @@
 #include <queue>
 
 namespace seldinger {
-
 namespace {
 
 // A step, its nine halves, and equilibrium: a step in a narrow place goes up and down all of them. Fewer where they are large.

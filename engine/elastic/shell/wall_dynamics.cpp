@@ -1,5 +1,4 @@
 // Steps of the wall in blocks.
-
 #include "shell/wall_dynamics.h"
 
 #include "core/state_walk.h"
@@ -11,7 +10,6 @@
 #include <functional>
 
 namespace seldinger {
-
 namespace {
 
 // of the displacement: what may be taken on through a block of block_steps; more through a shorter one

@@ -16,7 +16,6 @@
 #include <vector>
 
 namespace seldinger {
-
 namespace {
 
 constexpr double most_vertices = 2000;  // below it a column of the compliance costs less than a millisecond

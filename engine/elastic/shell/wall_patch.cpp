@@ -1,12 +1,10 @@
 // Blocks of the wall's compliance, gathered as places are touched.
-
 #include "shell/wall_patch.h"
 #include "shell/wall_compliance.h"
 
 #include <algorithm>
 
 namespace seldinger {
-
 namespace {
 
 int least_room(int slots) { return std::max(64, 3 * slots / 2); }

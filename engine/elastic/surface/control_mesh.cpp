@@ -13,7 +13,6 @@
 #include <vector>
 
 namespace seldinger {
-
 namespace {
 
 constexpr int rounds = 8;

@@ -7,7 +7,6 @@
 #include <cmath>
 
 namespace seldinger {
-
 namespace {
 
 // growth of edges with the distance from a narrow place [-]: neighbours differ by less than 1/3

@@ -5,7 +5,6 @@
 #include <cmath>
 
 namespace seldinger {
-
 namespace {
 
 constexpr double corner_cosine = 0.5;  // of 60 degrees

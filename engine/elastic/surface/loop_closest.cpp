@@ -7,7 +7,6 @@
 #include <cmath>
 
 namespace seldinger {
-
 namespace {
 
 constexpr int start_pieces = 3;       // flat pieces along each edge of a control triangle

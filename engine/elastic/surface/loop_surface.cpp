@@ -7,7 +7,6 @@
 #include <algorithm>
 
 namespace seldinger {
-
 namespace {
 
 /// (u, v) within a part of a triangle, and its derivatives by the triangle's own.

@@ -2,7 +2,7 @@
 // Smooth limit surface of Loop subdivision over a control mesh: place, derivatives, closest point. The wall's mechanics and the
 // wire's contact with an elastic wall live on it.
 
-#include "surface/loop_corner.h"
+#include "surface/loop_basis.h"
 #include "surface/loop_topology.h"
 #include "vessel/tree.h"
 

@@ -12,7 +12,6 @@
 #include <string>
 
 namespace seldinger {
-
 namespace {
 
 [[noreturn]] void refuse_mesh(const std::string& what) { throw Error(ErrorKind::BadFile, "control mesh of the wall: " + what); }

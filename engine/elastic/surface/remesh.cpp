@@ -8,7 +8,6 @@
 #include <utility>
 
 namespace seldinger {
-
 namespace {
 
 // of the target edge [Botsch04]: longer ones are split, shorter ones collapsed

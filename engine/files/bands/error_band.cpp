@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <string_view>
 
 namespace seldinger {
@@ -84,6 +86,21 @@ std::vector<std::string> unresolved(const ErrorEstimate& e)
     look("the largest friction (20 ms mean)", e.friction_peak);
     look("the largest force on a patch of wall", e.patch);
     return list;
+}
+
+// Rounds a force to what its band leaves of it.
+
+std::string newtons(double value, double band)
+{
+    const bool small = std::max(std::abs(value), std::isfinite(band) ? band : 0.0) < 0.02;
+    const double scale = small ? 1e3 : 1;
+    const char* unit = small ? "mN" : "N";
+    value *= scale, band *= scale;
+    if (!(band > 0)) return fmt::format("{:.3g} {}", value, unit);
+    // one digit of the band, two where it begins with 1
+    const double exponent = std::floor(std::log10(band)), leading = band / std::pow(10, exponent);
+    const int decimals = std::clamp(static_cast<int>(-exponent) + (leading < 2 ? 1 : 0), 0, 9);
+    return fmt::format("{:.{}f} ± {:.{}f} {}", value, decimals, band, decimals, unit);
 }
 
 }  // namespace seldinger

@@ -110,4 +110,9 @@ struct ErrorEstimate {
 /// One sentence for each reading that is not resolved.
 [[nodiscard]] std::vector<std::string> unresolved(const ErrorEstimate& estimate);
 
+// A force with its band, for people.
+
+/// "0.103 ± 0.013 N", "3.4 mN": as many digits as the band leaves. @param band  NaN: not known
+[[nodiscard]] std::string newtons(double value, double band);
+
 }  // namespace seldinger

@@ -11,7 +11,6 @@
 #include <utility>
 
 namespace seldinger {
-
 namespace {
 
 /// Steps that mean_time takes.

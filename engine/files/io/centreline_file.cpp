@@ -6,7 +6,6 @@
 #include "core/printable.h"
 #include "io/mesh_file.h"
 #include "io/text_words.h"
-#include "io/vtk_legacy.h"
 #include "io/vtp_read.h"
 #include "vessel/mesh_limits.h"
 #include "vessel/work_budget.h"

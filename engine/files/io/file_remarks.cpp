@@ -6,7 +6,6 @@
 #include "io/label_map.h"
 #include "io/mesh_file.h"
 #include "io/text_words.h"
-#include "io/vtk_legacy.h"
 #include "io/vtp_read.h"
 
 #include <algorithm>

@@ -3,6 +3,7 @@
 
 #include "core/error.h"
 #include "core/file_io.h"
+#include "io/binary_text.h"
 #include "io/damaged_file.h"
 #include "io/mesh_file.h"
 #include "io/text_words.h"
@@ -11,9 +12,7 @@
 #include <pugixml.hpp>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstring>
 #include <optional>
 
 namespace seldinger {
@@ -22,18 +21,6 @@ namespace {
 [[noreturn]] void refuse(const std::string& name, const std::string& got, const std::string& expected, const std::string& fix)
 {
     throw Error(ErrorKind::BadFile, fmt::format("{}: {}; expected {}. Fix: {}", name, got, expected, fix));
-}
-
-/// A number of a header's bytes, in the file's order.
-template <class T>
-T value_at(std::string_view bytes, std::size_t at, bool big_endian)
-{
-    char raw[sizeof(T)];
-    std::memcpy(raw, bytes.data() + at, sizeof(T));
-    if (big_endian != (std::endian::native == std::endian::big)) std::reverse(raw, raw + sizeof(T));
-    T value;
-    std::memcpy(&value, raw, sizeof(T));
-    return value;
 }
 
 void set_size(VoxelGrid& grid, std::size_t axis, double size, const std::string& name)
@@ -82,7 +69,8 @@ public:
         if (head_.size() < nifti1.size) refuse_damaged(name, fmt::format("got {} bytes; expected a header of 348", head_.size()));
         for (const bool big : {false, true})
             for (const NiftiAt* at : {&nifti1, &nifti2})
-                if (value_at<std::int32_t>(head_, 0, big) == static_cast<std::int32_t>(at->size)) out_.big_endian = big, at_ = at;
+                if (number_at<std::int32_t>(head_.data(), big) == static_cast<std::int32_t>(at->size))
+                    out_.big_endian = big, at_ = at;
         if (!at_)
             refuse(name, "got no NIfTI header in its first bytes", "348 or 540 as the first number",
                    "name the file after its format, or export it again");
@@ -111,14 +99,14 @@ private:
     /// The k-th of a row of real numbers.
     [[nodiscard]] double real(std::size_t at, std::size_t k = 0) const
     {
-        return version1() ? static_cast<double>(value_at<float>(head_, at + 4 * k, out_.big_endian))
-                          : value_at<double>(head_, at + 8 * k, out_.big_endian);
+        return version1() ? static_cast<double>(number_at<float>(head_.data() + at + 4 * k, out_.big_endian))
+                          : number_at<double>(head_.data() + at + 8 * k, out_.big_endian);
     }
     template <class One, class Two>
     [[nodiscard]] double whole(std::size_t at, std::size_t k = 0) const
     {
-        return version1() ? static_cast<double>(value_at<One>(head_, at + sizeof(One) * k, out_.big_endian))
-                          : static_cast<double>(value_at<Two>(head_, at + sizeof(Two) * k, out_.big_endian));
+        return version1() ? static_cast<double>(number_at<One>(head_.data() + at + sizeof(One) * k, out_.big_endian))
+                          : static_cast<double>(number_at<Two>(head_.data() + at + sizeof(Two) * k, out_.big_endian));
     }
     [[nodiscard]] double count(std::size_t k) const { return whole<std::int16_t, std::int64_t>(at_->dim, k); }
 
@@ -138,7 +126,7 @@ private:
         constexpr std::tuple<int, char, std::size_t> types[] = {{2, 'u', 1},    {4, 'i', 2},   {8, 'i', 4},   {16, 'f', 4},
                                                                 {64, 'f', 8},   {256, 'i', 1}, {512, 'u', 2}, {768, 'u', 4},
                                                                 {1024, 'i', 8}, {1280, 'u', 8}};
-        const int type = value_at<std::int16_t>(head_, at_->type, out_.big_endian);
+        const int type = number_at<std::int16_t>(head_.data() + at_->type, out_.big_endian);
         const auto found =
             std::find_if(std::begin(types), std::end(types), [&](const auto& t) { return std::get<0>(t) == type; });
         if (found == std::end(types))

@@ -2,6 +2,7 @@
 #include "io/label_map.h"
 
 #include "core/error.h"
+#include "io/binary_text.h"
 #include "io/damaged_file.h"
 #include "io/mesh_file.h"
 #include "io/text_words.h"
@@ -38,41 +39,8 @@ public:
         if (count * head_.bytes > head_.voxels->most() + 1)
             refuse_damaged(name_, fmt::format("got {} bytes of data for {} voxels; expected {}", head_.voxels->most(), count,
                                               head_.kind == 't' ? 2 * count : count * head_.bytes));
-        switch (head_.kind == 't' ? 0 : head_.kind * 16 + static_cast<int>(head_.bytes)) {
-            case 0:
-                read_text();
-                break;
-            case 'i' * 16 + 1:
-                read_as<std::int8_t>();
-                break;
-            case 'i' * 16 + 2:
-                read_as<std::int16_t>();
-                break;
-            case 'i' * 16 + 4:
-                read_as<std::int32_t>();
-                break;
-            case 'i' * 16 + 8:
-                read_as<std::int64_t>();
-                break;
-            case 'u' * 16 + 1:
-                read_as<std::uint8_t>();
-                break;
-            case 'u' * 16 + 2:
-                read_as<std::uint16_t>();
-                break;
-            case 'u' * 16 + 4:
-                read_as<std::uint32_t>();
-                break;
-            case 'u' * 16 + 8:
-                read_as<std::uint64_t>();
-                break;
-            case 'f' * 16 + 4:
-                read_as<float>();
-                break;
-            default:
-                read_as<double>();
-                break;
-        }
+        if (head_.kind == 't') read_text();
+        else with_type({head_.kind, head_.bytes}, [&](auto zero) { read_as<decltype(zero)>(); });
         if (!head_.voxels->ends_well())
             refuse_damaged(name_, "got packed data that do not end where they should; expected gzip's checksum");
         return chosen();

@@ -5,9 +5,8 @@
 #include "core/error.h"
 #include "core/file_io.h"
 #include "io/label_map.h"
-#include "io/ply_read.h"
-#include "io/stl_obj_read.h"
-#include "io/vtk_legacy.h"
+#include "io/mesh_readers.h"
+#include "io/vtp_read.h"
 #include "vessel/mesh_limits.h"
 #include "vessel/work_budget.h"
 

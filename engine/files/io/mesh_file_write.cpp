@@ -1,14 +1,13 @@
 // Writing meshes and centrelines.
 #include "core/error.h"
 #include "core/file_io.h"
+#include "io/binary_text.h"
 #include "io/mesh_file.h"
 #include "vessel/triangle_geometry.h"
 
 #include <fmt/format.h>
 #include <array>
 #include <bit>
-#include <cstring>
-#include <string_view>
 
 namespace seldinger {
 namespace {
@@ -63,20 +62,6 @@ std::string ply_bytes(const WallMesh& mesh, double scale, const std::string& uni
     return bytes;
 }
 
-std::string base64_encode(std::string_view bytes)
-{
-    static constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string text;
-    text.reserve((bytes.size() + 2) / 3 * 4);
-    for (std::size_t i = 0; i < bytes.size(); i += 3) {
-        std::uint32_t group = 0;
-        for (std::size_t k = 0; k < 3; ++k)
-            group = group << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
-        for (std::size_t k = 0; k < 4; ++k) text += k <= bytes.size() - i ? kDigits[(group >> (18 - 6 * k)) & 63] : '=';
-    }
-    return text;
-}
-
 /// One <DataArray>, inline base64, uncompressed, UInt64 header.
 template <class T>
 std::string data_array(const char* type, const char* name, int components, const std::vector<T>& values)
@@ -85,7 +70,7 @@ std::string data_array(const char* type, const char* name, int components, const
     append(bytes, static_cast<std::uint64_t>(values.size() * sizeof(T)));
     bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
     return fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"binary\">{}</DataArray>\n", type,
-                       name, components, base64_encode(bytes));
+                       name, components, base64(bytes));
 }
 
 std::string vtp_text(const std::vector<Vec3>& points, double scale, const char* kind,

@@ -1,7 +1,9 @@
 // Writes .npy headers and arrays (numbers, fixed-width Unicode) into an uncompressed zip.
 #include "io/npz_write.h"
 
+#include "core/check.h"
 #include "core/error.h"
+#include "core/file_io.h"
 #include "io/binary_text.h"
 
 #include <fmt/format.h>
@@ -9,6 +11,8 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <functional>
+#include <numeric>
 
 namespace seldinger {
 namespace {
@@ -50,21 +54,24 @@ std::string common_header(const std::string& name, const std::string& content)
     return header;
 }
 
-}  // namespace
-
-void NpzWriter::add_array(const std::string& name, const std::string& dtype, const std::vector<std::size_t>& shape,
-                          std::string_view data)
+std::string npy_file(const std::string& dtype, const std::vector<std::size_t>& shape, std::string_view data)
 {
     std::string sizes = fmt::format("{}", fmt::join(shape, ", "));
     if (shape.size() == 1) sizes += ",";
     std::string header = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}), }}", dtype, sizes);
     header.append(63 - (10 + header.size()) % 64, ' ');  // data begin at a multiple of 64 bytes, after a line end
     header += '\n';
-    std::string npy("\x93NUMPY\x01\x00", 8);
-    put_number(npy, header.size(), 2);
-    npy += header;
-    npy += data;
-    entries_.push_back({name + ".npy", std::move(npy)});
+    std::string file("\x93NUMPY\x01\x00", 8);
+    put_number(file, header.size(), 2);
+    return file.append(header).append(data);
+}
+
+}  // namespace
+
+void NpzWriter::add_array(const std::string& name, const std::string& dtype, const std::vector<std::size_t>& shape,
+                          std::string_view data)
+{
+    entries_.push_back({name + ".npy", npy_file(dtype, shape, data)});
 }
 
 void NpzWriter::add(const std::string& name, std::span<const double> values)
@@ -126,6 +133,12 @@ std::string NpzWriter::finish() const
     put_number(file, at, 4);
     put_number(file, 0, 2);
     return file;
+}
+
+void write_npy(const FilePlace& place, std::span<const float> values, const std::vector<std::size_t>& shape)
+{
+    SEL_ASSERT(std::accumulate(shape.begin(), shape.end(), std::size_t{1}, std::multiplies()) == values.size());
+    write_file(place, npy_file("<f4", shape, {reinterpret_cast<const char*>(values.data()), values.size_bytes()}));
 }
 
 }  // namespace seldinger

@@ -2,6 +2,8 @@
 // NumPy's .npz: a zip of .npy arrays, stored without compression, as numpy.load() reads it.
 // Formats: NEP 1 (npy 1.0) and PKWARE's APPNOTE (zip).
 
+#include "core/folder.h"
+
 #include <cstdint>
 #include <span>
 #include <string>
@@ -29,5 +31,10 @@ private:
                    std::string_view data);
     std::vector<Entry> entries_;
 };
+
+/// A .npy of float32 numbers.
+/// @param shape  e.g. {rows, columns}; its product is the number of values. The file appears only when it is complete.
+/// @throws Error BadFile
+void write_npy(const FilePlace& place, std::span<const float> values, const std::vector<std::size_t>& shape);
 
 }  // namespace seldinger

@@ -1,5 +1,4 @@
 // Reads a table of numbers, and says where it is wrong.
-
 #include "io/number_table.h"
 
 #include "core/error.h"
@@ -12,7 +11,6 @@
 #include <cmath>
 
 namespace seldinger {
-
 namespace {
 
 constexpr std::uint64_t most_bytes = 64u << 20;

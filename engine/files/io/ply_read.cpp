@@ -1,32 +1,27 @@
 // Parses PLY headers and elements, ascii and binary of either byte order, and checks announced counts against the file's size.
-#include "io/ply_read.h"
+#include "io/mesh_readers.h"
 
 #include "core/error.h"
+#include "io/binary_text.h"
 #include "io/damaged_file.h"
 #include "io/text_words.h"
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <cstring>
 #include <optional>
 
 namespace seldinger {
 namespace {
 
-enum class Scalar { Int8, Uint8, Int16, Uint16, Int32, Uint32, Float32, Float64 };
-
-constexpr std::size_t scalar_bytes[] = {1, 1, 2, 2, 4, 4, 4, 8};
-std::size_t size_of(Scalar type) { return scalar_bytes[static_cast<int>(type)]; }
-
 std::optional<Scalar> scalar_named(std::string_view word)
 {
+    constexpr Scalar int8{'i', 1}, uint8{'u', 1}, int16{'i', 2}, uint16{'u', 2}, int32{'i', 4}, uint32{'u', 4}, real32{'f', 4},
+        real64{'f', 8};
     constexpr std::pair<std::string_view, Scalar> names[] = {
-        {"char", Scalar::Int8},     {"int8", Scalar::Int8},       {"uchar", Scalar::Uint8},    {"uint8", Scalar::Uint8},
-        {"short", Scalar::Int16},   {"int16", Scalar::Int16},     {"ushort", Scalar::Uint16},  {"uint16", Scalar::Uint16},
-        {"int", Scalar::Int32},     {"int32", Scalar::Int32},     {"uint", Scalar::Uint32},    {"uint32", Scalar::Uint32},
-        {"float", Scalar::Float32}, {"float32", Scalar::Float32}, {"double", Scalar::Float64}, {"float64", Scalar::Float64}};
+        {"char", int8},     {"int8", int8},      {"uchar", uint8},   {"uint8", uint8},   {"short", int16}, {"int16", int16},
+        {"ushort", uint16}, {"uint16", uint16},  {"int", int32},     {"int32", int32},   {"uint", uint32}, {"uint32", uint32},
+        {"float", real32},  {"float32", real32}, {"double", real64}, {"float64", real64}};
     for (const auto& [name, type] : names)
         if (word == name) return type;
     return std::nullopt;
@@ -34,7 +29,7 @@ std::optional<Scalar> scalar_named(std::string_view word)
 
 struct Property {
     std::string name;
-    Scalar type = Scalar::Float32;
+    Scalar type;
     std::optional<Scalar> count;  // a list's
 };
 
@@ -150,7 +145,7 @@ private:
     }
 
     /// The fewest bytes that a value can take.
-    std::size_t least(Scalar type) const { return encoding_ == Encoding::Ascii ? 2 : size_of(type); }  // a digit and a space
+    std::size_t least(Scalar type) const { return encoding_ == Encoding::Ascii ? 2 : type.bytes; }  // a digit and a space
     std::size_t room() const
     {
         return encoding_ == Encoding::Ascii ? words_.rest().size() + 1 : body_.size();  // the last digit needs no space
@@ -172,38 +167,12 @@ private:
             if (const auto read = number(word)) return *read;
             refuse_number(name_, "", excerpt(word));
         }
-        char bytes[8];
-        const std::size_t size = size_of(type);
-        if (body_.size() < size) damaged("got the end of the file in its data; expected as many values as the header announces");
-        std::memcpy(bytes, body_.data(), size);
-        body_.remove_prefix(size);
-        if ((encoding_ == Encoding::Little) != (std::endian::native == std::endian::little)) std::reverse(bytes, bytes + size);
-        switch (type) {
-            case Scalar::Int8:
-                return as<std::int8_t>(bytes);
-            case Scalar::Uint8:
-                return as<std::uint8_t>(bytes);
-            case Scalar::Int16:
-                return as<std::int16_t>(bytes);
-            case Scalar::Uint16:
-                return as<std::uint16_t>(bytes);
-            case Scalar::Int32:
-                return as<std::int32_t>(bytes);
-            case Scalar::Uint32:
-                return as<std::uint32_t>(bytes);
-            case Scalar::Float32:
-                return as<float>(bytes);
-            case Scalar::Float64:
-                return as<double>(bytes);
-        }
-        return 0;
-    }
-    template <class T>
-    static double as(const char* bytes)
-    {
-        T value;
-        std::memcpy(&value, bytes, sizeof(T));
-        return static_cast<double>(value);
+        if (body_.size() < type.bytes)
+            damaged("got the end of the file in its data; expected as many values as the header announces");
+        const char* from = body_.data();
+        body_.remove_prefix(type.bytes);
+        return with_type(
+            type, [&](auto zero) { return static_cast<double>(number_at<decltype(zero)>(from, encoding_ == Encoding::Big)); });
     }
 
     std::size_t list_length(const Property& list)

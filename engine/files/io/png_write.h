@@ -26,4 +26,14 @@ void write_grey_png(const std::filesystem::path& path, int width, int height, co
 void write_label_png(const FilePlace& place, int width, int height, std::span<const std::uint8_t> labels);
 void write_label_png(const FilePlace& place, int width, int height, std::span<const std::uint16_t> values);
 
+// Reads back the masks that write_label_png() wrote.
+
+struct LabelImage {
+    int width = 0, height = 0;
+    std::vector<std::uint8_t> labels;  // rows from the top
+};
+
+/// 8-bit grey of at most 8192 x 8192. @throws Error BadFile: missing, damaged, or another kind of picture
+[[nodiscard]] LabelImage read_label_png(const std::filesystem::path& path);
+
 }  // namespace seldinger

@@ -1,5 +1,5 @@
 // Parses binary and ASCII STL and OBJ; text coordinates become doubles, polygons of OBJ become triangles.
-#include "io/stl_obj_read.h"
+#include "io/mesh_readers.h"
 
 #include "core/error.h"
 #include "io/damaged_file.h"

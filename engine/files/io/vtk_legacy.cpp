@@ -1,16 +1,14 @@
 // Reading legacy .vtk polydata. The format: VTK File Formats, "Simple Legacy Formats"; binary values are big-endian.
-#include "io/vtk_legacy.h"
+#include "io/vtp_read.h"
 
 #include "core/error.h"
+#include "io/binary_text.h"
 #include "io/damaged_file.h"
-#include "io/safe_cast.h"
 #include "io/text_words.h"
 
 #include <fmt/format.h>
 #include <algorithm>
-#include <bit>
 #include <charconv>
-#include <cstring>
 
 namespace seldinger {
 namespace {
@@ -130,21 +128,22 @@ private:
         }
     }
 
-    template <class Source, class Target>
-    std::vector<Target> binary_values(std::size_t n, const char* section)
+    template <class Target>
+    std::vector<Target> binary_values(std::size_t n, Scalar stored, const char* section)
     {
-        line();  // data start behind the line's end
-        if ((file_.size() - at_) / sizeof(Source) < n)
-            cut_off(section, n, "values", (file_.size() - at_) / sizeof(Source));
-        std::vector<Target> result(n);
-        for (std::size_t i = 0; i < n; ++i, at_ += sizeof(Source)) {
-            char bytes[sizeof(Source)];
-            std::memcpy(bytes, file_.data() + at_, sizeof(Source));
-            if constexpr (std::endian::native == std::endian::little) std::reverse(bytes, bytes + sizeof(Source));
-            Source value;
-            std::memcpy(&value, bytes, sizeof(Source));
-            result[i] = safe_cast<Target>(value);
+        if (stored.kind == 'b') {  // flags are no quantity
+            skip_bytes(bytes_of(stored, n), section);
+            return std::vector<Target>(n);
         }
+        line();  // data start behind the line's end
+        if ((file_.size() - at_) / stored.bytes < n) cut_off(section, n, "values", (file_.size() - at_) / stored.bytes);
+        std::vector<Target> result(n);
+        with_type(stored, [&](auto zero) {
+            for (Target& value : result) {
+                value = safe_cast<Target>(number_at<decltype(zero)>(file_.data() + at_, true));
+                at_ += stored.bytes;
+            }
+        });
         return result;
     }
     static bool parse(const std::string& text, double& value)
@@ -161,21 +160,7 @@ private:
     template <class Target>
     std::vector<Target> values(std::size_t n, const std::string& type, const char* section)
     {
-        if (binary_) {
-            switch (scalar(type, section)) {
-                case Scalar::Int8: return binary_values<std::int8_t, Target>(n, section);
-                case Scalar::Uint8: return binary_values<std::uint8_t, Target>(n, section);
-                case Scalar::Int16: return binary_values<std::int16_t, Target>(n, section);
-                case Scalar::Uint16: return binary_values<std::uint16_t, Target>(n, section);
-                case Scalar::Int32: return binary_values<std::int32_t, Target>(n, section);
-                case Scalar::Uint32: return binary_values<std::uint32_t, Target>(n, section);
-                case Scalar::Int64: return binary_values<std::int64_t, Target>(n, section);
-                case Scalar::Uint64: return binary_values<std::uint64_t, Target>(n, section);
-                case Scalar::Float32: return binary_values<float, Target>(n, section);
-                case Scalar::Float64: return binary_values<double, Target>(n, section);
-                case Scalar::Bit: skip_bytes((n + 7) / 8, section); return std::vector<Target>(n);  // flags are no quantity
-            }
-        }
+        if (binary_) return binary_values<Target>(n, scalar(type, section), section);
         std::vector<Target> result(n);
         for (std::size_t i = 0; i < n; ++i) {
             const std::string text = word();
@@ -185,36 +170,25 @@ private:
         return result;
     }
 
-    enum class Scalar { Bit, Int8, Uint8, Int16, Uint16, Int32, Uint32, Int64, Uint64, Float32, Float64 };
-
     /// Type words of VTK's own writers, in lower case. "long" has eight bytes where these are written (Linux, macOS).
     Scalar scalar(const std::string& type, const char* section) const
     {
+        constexpr Scalar int8{'i', 1}, uint8{'u', 1}, int16{'i', 2}, uint16{'u', 2}, int32{'i', 4}, uint32{'u', 4}, int64{'i', 8},
+            uint64{'u', 8}, real32{'f', 4}, real64{'f', 8}, bit{'b', 0};
+        constexpr Scalar id = int32;  // VTK writes its own indices as int, whatever their width in memory
         constexpr std::pair<std::string_view, Scalar> names[] = {
-            {"bit", Scalar::Bit},              {"char", Scalar::Int8},
-            {"signed_char", Scalar::Int8},     {"unsigned_char", Scalar::Uint8},
-            {"short", Scalar::Int16},          {"unsigned_short", Scalar::Uint16},
-            {"int", Scalar::Int32},            {"unsigned_int", Scalar::Uint32},
-            {"long", Scalar::Int64},           {"unsigned_long", Scalar::Uint64},
-            {"float", Scalar::Float32},        {"double", Scalar::Float64},
-            {"vtkidtype", id_type},            {"vtktypeint8", Scalar::Int8},
-            {"vtktypeuint8", Scalar::Uint8},   {"vtktypeint16", Scalar::Int16},
-            {"vtktypeuint16", Scalar::Uint16}, {"vtktypeint32", Scalar::Int32},
-            {"vtktypeuint32", Scalar::Uint32}, {"vtktypeint64", Scalar::Int64},
-            {"vtktypeuint64", Scalar::Uint64}, {"vtktypefloat32", Scalar::Float32},
-            {"vtktypefloat64", Scalar::Float64}};
+            {"bit", bit},            {"char", int8},          {"signed_char", int8},     {"unsigned_char", uint8},
+            {"short", int16},        {"unsigned_short", uint16}, {"int", int32},         {"unsigned_int", uint32},
+            {"long", int64},         {"unsigned_long", uint64},  {"float", real32},      {"double", real64},
+            {"vtkidtype", id},       {"vtktypeint8", int8},   {"vtktypeuint8", uint8},   {"vtktypeint16", int16},
+            {"vtktypeuint16", uint16}, {"vtktypeint32", int32}, {"vtktypeuint32", uint32}, {"vtktypeint64", int64},
+            {"vtktypeuint64", uint64}, {"vtktypefloat32", real32}, {"vtktypefloat64", real64}};
         for (const auto& [name, kind] : names)
             if (type == name) return kind;
         damaged(fmt::format("{}: got type \"{}\"; expected one of VTK's (float, double, int, vtktypeint64, unsigned_char, ...)",
                             section, excerpt(type)));
     }
-    static constexpr Scalar id_type = Scalar::Int32;  // VTK writes its own indices as int, whatever their width in memory
-
-    static std::size_t bytes_of(Scalar type, std::size_t n)
-    {
-        constexpr std::size_t sizes[] = {0, 1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
-        return type == Scalar::Bit ? (n + 7) / 8 : n * sizes[static_cast<int>(type)];
-    }
+    static std::size_t bytes_of(Scalar stored, std::size_t n) { return stored.kind == 'b' ? (n + 7) / 8 : n * stored.bytes; }
     void skip_bytes(std::size_t n, const char* section)
     {
         line();  // data start behind the line's end

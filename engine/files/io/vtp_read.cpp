@@ -2,9 +2,9 @@
 #include "io/vtp_read.h"
 
 #include "core/error.h"
-#include "io/damaged_file.h"
 #include "core/file_io.h"
-#include "io/safe_cast.h"
+#include "io/binary_text.h"
+#include "io/damaged_file.h"
 #include "io/text_words.h"
 
 #include <fmt/format.h>
@@ -177,16 +177,11 @@ void convert(const FileFacts& file, const std::string& bytes, std::vector<Wanted
 template <typename Wanted>
 void convert_named(const FileFacts& file, const std::string& type, const std::string& bytes, std::vector<Wanted>& values)
 {
-    if (type == "Float64") return convert<double>(file, bytes, values);
-    if (type == "Float32") return convert<float>(file, bytes, values);
-    if (type == "Int64") return convert<std::int64_t>(file, bytes, values);
-    if (type == "UInt64") return convert<std::uint64_t>(file, bytes, values);
-    if (type == "Int32") return convert<std::int32_t>(file, bytes, values);
-    if (type == "UInt32") return convert<std::uint32_t>(file, bytes, values);
-    if (type == "Int16") return convert<std::int16_t>(file, bytes, values);
-    if (type == "UInt16") return convert<std::uint16_t>(file, bytes, values);
-    if (type == "Int8") return convert<std::int8_t>(file, bytes, values);
-    if (type == "UInt8") return convert<std::uint8_t>(file, bytes, values);
+    constexpr std::pair<std::string_view, Scalar> names[] = {
+        {"Float64", {'f', 8}}, {"Float32", {'f', 4}}, {"Int64", {'i', 8}},  {"UInt64", {'u', 8}}, {"Int32", {'i', 4}},
+        {"UInt32", {'u', 4}},  {"Int16", {'i', 2}},   {"UInt16", {'u', 2}}, {"Int8", {'i', 1}},   {"UInt8", {'u', 1}}};
+    for (const auto& [name, stored] : names)
+        if (type == name) return with_type(stored, [&](auto zero) { convert<decltype(zero)>(file, bytes, values); });
     refuse_damaged(
         file.name,
         fmt::format("got an array of type \"{}\"; expected one of VTK's (Float64, Float32, Int64, UInt8, ...)", excerpt(type)));

@@ -6,6 +6,7 @@
 #include "core/folder.h"
 
 #include <array>
+#include <concepts>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -51,5 +52,24 @@ constexpr std::uint64_t kLeastUnpacked = 1 << 20;  // small files may, whatever 
 
 /// Same, from the bytes of a file; `name` is for messages.
 [[nodiscard]] PolyData parse_poly_data(const std::string& bytes, const std::string& name, PolyParts parts = PolyParts::All);
+
+// Converts numbers of files from one type to another without undefined values.
+
+/// As static_cast, but a real number that no index can be (beyond 2^53, or none at all) becomes -1, which readers refuse as one.
+template <class Wanted, class Stored>
+[[nodiscard]] Wanted safe_cast(Stored value)
+{
+    if constexpr (std::integral<Wanted> && std::floating_point<Stored>) {
+        if (!(value > Stored(-9007199254740992.0) && value < Stored(9007199254740992.0))) return Wanted(-1);
+    }
+    return static_cast<Wanted>(value);
+}
+
+/// Legacy DATASET POLYDATA, ASCII or BINARY, cells in the old (count first) and the 5.1 (OFFSETS, CONNECTIVITY) form, FIELD data
+/// and METADATA wherever a writer puts them.
+/// @param name   of the file, for messages
+/// @param parts  Geometry skips the numbers of FIELD data and stops at the attributes of points and cells
+/// @throws Error BadFile
+[[nodiscard]] PolyData parse_legacy_vtk(const std::string& bytes, const std::string& name, PolyParts parts = PolyParts::Geometry);
 
 }  // namespace seldinger

@@ -17,44 +17,24 @@ namespace {
 
 constexpr std::string_view checkpoint_magic = "SELCKPT5";
 
-template <class T>
-void put_list(std::vector<std::uint8_t>& bytes, const T& list)
+/// What stands behind the version.
+template <class C>
+void each_field(C& c, auto& take)
 {
-    const std::uint64_t count = list.size();
-    put_bytes(bytes, &count, 1);
-    put_bytes(bytes, list.data(), list.size());
+    take(c.device), take(c.scene), take(c.vessel_hash), take(c.status), take(c.tally), take(c.trace_bytes);
+    take(c.wire_frames), take(c.contact_frames), take(c.state);
 }
 
-/// @throws Error BadFile when the list claims more than is left
-template <class T>
-void take_list(const std::uint8_t*& at, const std::uint8_t* end, T& list)
+void take_payload(ByteReader take, Checkpoint& c)
 {
-    std::uint64_t count = 0;
-    take_bytes(at, end, &count, 1);
-    if (count > static_cast<std::uint64_t>(end - at) / sizeof(typename T::value_type))
-        throw Error(ErrorKind::BadFile, "a list is longer than the file");
-    list.resize(count);
-    take_bytes(at, end, list.data(), count);
-}
-
-void take_payload(const std::uint8_t* at, const std::uint8_t* end, Checkpoint& c)
-{
-    take_list(at, end, c.version);
+    take(c.version);
     // what follows is laid out as this version's structures are
     if (c.version != version())
         throw Error(ErrorKind::BadFile,
                     fmt::format("was written by version {}, this is {}; resume with that one, or run again with --overwrite",
                                 printable(c.version), version()));
-    take_list(at, end, c.device);
-    take_list(at, end, c.scene);
-    take_bytes(at, end, &c.vessel_hash, 1);
-    take_bytes(at, end, &c.status, 1);
-    take_bytes(at, end, &c.tally, 1);
-    take_list(at, end, c.trace_bytes);
-    take_list(at, end, c.wire_frames);
-    take_list(at, end, c.contact_frames);
-    take_list(at, end, c.state);
-    if (at != end) throw Error(ErrorKind::BadFile, "has data after its end; run again with --overwrite");
+    each_field(c, take);
+    if (take.at != take.end) throw Error(ErrorKind::BadFile, "has data after its end; run again with --overwrite");
 }
 
 constexpr std::int64_t most_counted = std::int64_t{1} << 53;
@@ -161,17 +141,9 @@ void check_checkpoint(const std::filesystem::path& path, const Checkpoint& c, co
 void write_checkpoint(const std::filesystem::path& path, const Checkpoint& c)
 {
     std::vector<std::uint8_t> payload;
-    put_list(payload, c.version);
-    put_list(payload, c.device);
-    put_list(payload, c.scene);
-    put_bytes(payload, &c.vessel_hash, 1);
-    put_bytes(payload, &c.status, 1);
-    put_bytes(payload, &c.tally, 1);
-    put_list(payload, c.trace_bytes);
-    put_list(payload, c.wire_frames);
-    put_list(payload, c.contact_frames);
-    put_list(payload, c.state);
-
+    ByteWriter put{payload};
+    put(c.version);
+    each_field(c, put);
     write_sealed(path, checkpoint_magic, payload);
 }
 
@@ -180,7 +152,7 @@ Checkpoint read_checkpoint(const std::filesystem::path& path)
     const std::vector<std::uint8_t> payload = read_sealed(path, checkpoint_magic);
     Checkpoint checkpoint;
     try {
-        take_payload(payload.data(), payload.data() + payload.size(), checkpoint);
+        take_payload({payload.data(), payload.data() + payload.size()}, checkpoint);
     } catch (const Error& error) {
         throw Error(error.kind(), fmt::format("{}: {}", path.string(), error.what()));
     }

@@ -6,7 +6,6 @@
 #include <algorithm>
 
 namespace seldinger {
-
 namespace {
 
 bool is_at_rest(const World& world, int system)
@@ -22,16 +21,11 @@ bool is_at_rest(const World& world, int system)
 const char* status_word(RunStatus status)
 {
     switch (status) {
-        case RunStatus::Running:
-            return "running";
-        case RunStatus::Done:
-            return "done";
-        case RunStatus::TimeLimit:
-            return "time-limit";
-        case RunStatus::Interrupted:
-            return "interrupted";
-        case RunStatus::Stopped:
-            return "stopped";
+        case RunStatus::Running: return "running";
+        case RunStatus::Done: return "done";
+        case RunStatus::TimeLimit: return "time-limit";
+        case RunStatus::Interrupted: return "interrupted";
+        case RunStatus::Stopped: return "stopped";
     }
     return "unknown";
 }

@@ -9,7 +9,6 @@
 #include <cmath>
 
 namespace seldinger {
-
 namespace {
 
 constexpr double contrast_rate = 4;      // of the injector [ml/s]

@@ -3,7 +3,7 @@
 
 #include "core/error.h"
 #include "io/json_text.h"
-#include "run/force_text.h"
+#include "bands/error_band.h"
 #include "run/frames.h"
 #include "setup/vessel_load.h"
 #include "vessel/inlets.h"

@@ -1,5 +1,5 @@
 // The lines of summary.json that a run prints: forces, tip and wall with their bands, warnings, files, the answer.
-#include "run/force_text.h"
+#include "bands/error_band.h"
 #include "run/frames.h"
 #include "run/summary.h"
 

@@ -1,5 +1,4 @@
 // Values that follow from a scene.
-
 #include "scene/scene.h"
 
 #include "solve/feed.h"

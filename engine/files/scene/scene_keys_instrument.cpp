@@ -1,7 +1,7 @@
 // Keys of [wire], [[instrument]], [coaxial], [feed], [[hold]], [[load]], [[link]] and [[force]].
 #include "scene/scene_keys.h"
 
-#include "scene/toml_text.h"
+#include "scene/toml_parse.h"
 
 #include <algorithm>
 #include <cmath>

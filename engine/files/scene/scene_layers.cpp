@@ -7,7 +7,6 @@
 #include "scene/instruments.h"
 #include "scene/scene_keys.h"
 #include "scene/toml_parse.h"
-#include "scene/toml_set.h"
 #include "scene/toml_table.h"
 
 #include <fmt/format.h>

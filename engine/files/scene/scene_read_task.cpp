@@ -2,7 +2,6 @@
 #include "scene/scene_read.h"
 
 namespace seldinger {
-
 namespace {
 
 void read_target(const toml::table& table, TaskSpec& task)

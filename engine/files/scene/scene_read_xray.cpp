@@ -1,7 +1,6 @@
 // [carm] and [contrast]: settings of X-ray pictures.
 #include "scene/scene_read.h"
 
-
 #include <cmath>
 
 namespace seldinger {

@@ -1,6 +1,6 @@
 // A Scene as TOML. Doubles are printed as the shortest text that reads back to the same bits.
 #include "scene/scene_keys.h"
-#include "scene/toml_text.h"
+#include "scene/toml_parse.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -11,13 +11,6 @@
 
 namespace seldinger {
 namespace {
-
-std::string toml_number(double v)
-{
-    std::string text = fmt::format("{}", v);
-    if (text.find_first_of(".en") == std::string::npos) text += ".0";  // 1 -> 1.0, so that it looks like what it is
-    return text;
-}
 
 std::string toml_numbers(const std::vector<double>& row)
 {

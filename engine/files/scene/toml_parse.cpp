@@ -6,6 +6,7 @@
 #include "scene/toml_table.h"
 
 #include <fmt/format.h>
+
 #include <algorithm>
 
 namespace seldinger {
@@ -76,5 +77,23 @@ toml::table parse_toml(const std::string& text, const std::filesystem::path& fil
 }
 
 std::string read_scene_file(const FilePlace& file) { return read_file(file, most_scene_bytes); }
+
+std::string toml_number(double value)
+{
+    std::string text = fmt::format("{}", value);
+    if (text.find_first_of(".en") == std::string::npos) text += ".0";  // 1 -> 1.0, so that it looks like what it is
+    return text;
+}
+
+std::string toml_quoted(std::string_view text)
+{
+    std::string out = "\"";
+    for (const char c : text) {
+        if (c == '"' || c == '\\') out += '\\', out += c;
+        else if (static_cast<unsigned char>(c) < 32 || c == 127) out += fmt::format("\\u{:04X}", static_cast<unsigned char>(c));
+        else out += c;
+    }
+    return out + '"';
+}
 
 }  // namespace seldinger

@@ -4,11 +4,11 @@
 
 #include "core/folder.h"
 
+#include <toml++/toml.h>
+
 #include <filesystem>
 #include <string>
 #include <string_view>
-
-#include <toml++/toml.h>
 
 namespace seldinger {
 
@@ -27,5 +27,15 @@ inline constexpr const char* backslash_advice =
 
 /// The text of a scene or a sweep. @throws Error BadFile: unreadable, no plain file, or above 16 MB
 [[nodiscard]] std::string read_scene_file(const FilePlace& file);
+
+/// A basic string of TOML with its quotes; what a basic string may not hold (quotes, backslashes, control characters) is escaped.
+[[nodiscard]] std::string toml_quoted(std::string_view text);
+/// The shortest text that reads back to the same bits.
+[[nodiscard]] std::string toml_number(double value);
+
+/// --set table.key=value: changes a parsed scene before it is read. Values are TOML; a bare word is a string; absent tables are
+/// made; a number in the path counts the tables of an array from 0 ("hold.0.spin=true"), one past the end adds a table.
+/// @throws Error BadScene that names the text
+void apply_override(toml::table& root, const std::string& text);
 
 }  // namespace seldinger

@@ -1,9 +1,8 @@
 // Applies one --set text to a parsed scene: splits the path, parses the value, makes missing tables.
-#include "scene/toml_set.h"
+#include "scene/toml_parse.h"
 
 #include "core/error.h"
 #include "core/printable.h"
-#include "scene/toml_parse.h"
 #include "scene/toml_table.h"
 
 #include <fmt/format.h>

@@ -7,7 +7,7 @@
 #include "scene/instruments.h"
 #include "scene/scene_names.h"
 #include "scene/toml_table.h"
-#include "scene/toml_text.h"
+#include "scene/toml_parse.h"
 #include "vessel/inside.h"
 
 #include <fmt/format.h>

@@ -1,5 +1,4 @@
 // Key frames as a control.
-
 #include "setup/key_frames.h"
 
 #include "scene/scene.h"
@@ -7,7 +6,6 @@
 #include <utility>
 
 namespace seldinger {
-
 namespace {
 
 std::vector<std::vector<FeedKey>> keys_of(std::span<const Scene> scenes)

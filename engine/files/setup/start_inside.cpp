@@ -11,7 +11,6 @@
 #include <optional>
 
 namespace seldinger {
-
 namespace {
 
 constexpr int most_settling_rounds = 100;
@@ -99,10 +98,7 @@ private:
 
     [[nodiscard]] AxisSample look(int edge, double bary) const
     {
-        AxisSample at;
-        at.edge = edge;
-        at.bary = bary;
-        at.point = (1 - bary) * rod().pos(edge) + bary * rod().pos(edge + 1);
+        AxisSample at{.edge = edge, .bary = bary, .point = (1 - bary) * rod().pos(edge) + bary * rod().pos(edge + 1)};
         const LumenPlace place = lumen_.locate(at.point);
         at.clearance = place.clearance(at.point);
         const Vec3 away = at.point - place.nearest;

@@ -118,18 +118,12 @@ LoadedVessel from_file(const VesselSpec& spec)
 LoadedVessel load_vessel(const VesselSpec& spec)
 {
     switch (spec.shape) {
-        case VesselShape::None:
-            return {};
-        case VesselShape::Mesh:
-            return from_file(spec);
-        case VesselShape::Tube:
-            return generated(make_tube(spec));
-        case VesselShape::Arc:
-            return generated(make_arc(spec));
-        case VesselShape::Plane:
-            return generated(make_plane(spec));
-        case VesselShape::Arch:
-            return generated(make_aortic_arch(spec));
+        case VesselShape::None: return {};
+        case VesselShape::Mesh: return from_file(spec);
+        case VesselShape::Tube: return generated(make_tube(spec));
+        case VesselShape::Arc: return generated(make_arc(spec));
+        case VesselShape::Plane: return generated(make_plane(spec));
+        case VesselShape::Arch: return generated(make_aortic_arch(spec));
     }
     throw Error(ErrorKind::BadScene, "vessel.shape: unknown value");
 }

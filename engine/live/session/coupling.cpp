@@ -5,7 +5,6 @@
 #include <cmath>
 
 namespace seldinger {
-
 namespace {
 
 constexpr double most_damping = 20;  // times that of the spec: more, and the damper is a lock

@@ -16,7 +16,6 @@
 #include <cstring>
 
 namespace seldinger {
-
 namespace {
 
 constexpr double largest_force = 20, largest_torque = 0.2;  // sent to a device [N], [N m]

@@ -14,7 +14,6 @@
 #include <optional>
 
 namespace seldinger {
-
 namespace {
 
 /// Path of the file beside the record that `ending` names.

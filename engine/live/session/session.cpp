@@ -14,7 +14,6 @@
 #include <cmath>
 
 namespace seldinger {
-
 namespace {
 
 constexpr double view_period = 1.0 / 60;           // [s]

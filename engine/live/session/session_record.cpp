@@ -14,7 +14,6 @@
 #include <cstring>
 
 namespace seldinger {
-
 namespace {
 
 constexpr std::string_view magic = "SELLIVE1";

@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 namespace seldinger {
-
 namespace {
 
 nlohmann::json quantiles(const TimeHistogram& times)

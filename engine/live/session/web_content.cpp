@@ -13,7 +13,6 @@
 #include <filesystem>
 
 namespace seldinger {
-
 namespace {
 
 namespace fs = std::filesystem;

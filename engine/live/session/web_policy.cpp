@@ -11,7 +11,6 @@
 #include <array>
 
 namespace seldinger {
-
 namespace {
 
 /// "[::1]:8080" -> "[::1]", "a:80" -> "a"

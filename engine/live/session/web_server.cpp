@@ -23,7 +23,6 @@
 #include <utility>
 
 namespace seldinger {
-
 namespace {
 
 namespace asio = boost::asio;

@@ -1,5 +1,4 @@
 // Lists of the quadrature points to evaluate: made, picked from, uploaded.
-
 #include "contact/active_set.h"
 
 #include "contact/device_records.h"
@@ -7,7 +6,6 @@
 #include <algorithm>
 
 namespace seldinger {
-
 namespace {
 
 constexpr std::size_t pool_evaluate = 2048;

@@ -1,5 +1,4 @@
 // Launches GapKernels and contact_sweep, and applies their results to a wire.
-
 #include "contact/barrier_path.h"
 
 #include "contact/programs.h"

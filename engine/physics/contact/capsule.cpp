@@ -1,5 +1,4 @@
 // The stages of contact with quadrature points, in the order in which a step calls them.
-
 #include "contact/capsule.h"
 
 #include "contact/device_records.h"
@@ -12,7 +11,6 @@
 #include <limits>
 
 namespace seldinger {
-
 namespace {
 
 NearWall::Lengths near_lengths(const QuadratureSet& points, const WallTree& tree, uint law)

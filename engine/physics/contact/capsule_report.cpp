@@ -1,5 +1,4 @@
 // Reports of contact with quadrature points: its rows, and the choices it made.
-
 #include "contact/capsule.h"
 #include "contact/loads/contact_patch.h"
 #include "core/parallel.h"

@@ -1,5 +1,4 @@
 // Upper bound of the energy that contacts can return.
-
 #include "contact/contact_storage.h"
 
 #include "shared/contact_law.h"
@@ -7,7 +6,6 @@
 #include <algorithm>
 
 namespace seldinger {
-
 namespace {
 
 /// Energy of the static law, per unit of weight.
@@ -37,10 +35,8 @@ ContactStorage::ContactStorage(std::span<const QuadratureModel> models, uint nor
 double ContactStorage::normal(const EdgeForce& sum, double length, bool tip) const
 {
     switch (law_) {
-        case SEL_NORMAL_DAMPED:
-            return length * static_energy(sum.depth, line_) + (tip ? static_energy(sum.depth, tip_) : 0.0);
-        case SEL_NORMAL_BARRIER:
-            return sum.normal_sum * line_.law_length;
+        case SEL_NORMAL_DAMPED: return length * static_energy(sum.depth, line_) + (tip ? static_energy(sum.depth, tip_) : 0.0);
+        case SEL_NORMAL_BARRIER: return sum.normal_sum * line_.law_length;
         case SEL_NORMAL_IMPULSE:  // law_length is a speed there
             return sum.normal_sum * std::max<double>(sum.depth, 0);
         default:

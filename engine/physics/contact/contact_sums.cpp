@@ -1,5 +1,4 @@
 // Checks that contact samples, forces on nodes and readings along a wire belong to one state.
-
 #include "contact/contact_sums.h"
 
 #include <algorithm>
@@ -7,7 +6,6 @@
 #include <limits>
 
 namespace seldinger {
-
 namespace {
 
 constexpr double rounding = std::numeric_limits<double>::epsilon();

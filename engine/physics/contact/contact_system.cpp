@@ -1,11 +1,9 @@
 // Code that all detection methods share.
-
 #include "contact/contact_system.h"
 
 #include "core/parallel.h"
 
 namespace seldinger {
-
 namespace {
 
 // Of the bound. The bound takes all samples of an edge to be off by four roundings to the same side; distances of a few samples,

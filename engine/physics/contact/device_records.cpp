@@ -1,5 +1,4 @@
 // Records narrowed for a float32 device, and widened again.
-
 #include "contact/device_records.h"
 
 #include "core/parallel.h"
@@ -9,7 +8,6 @@
 #include <cstring>
 
 namespace seldinger {
-
 namespace {
 
 // Records that one thread takes at a time, as words: 20 us of work for a hand-over of 1 us.

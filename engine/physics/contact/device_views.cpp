@@ -1,5 +1,4 @@
 // Wall and nodes of the wires for kernels: made, filled, uploaded.
-
 #include "contact/device_views.h"
 
 #include "contact/device_records.h"
@@ -7,7 +6,6 @@
 #include <algorithm>
 
 namespace seldinger {
-
 namespace {
 
 // bits 0-2: edge k lies on an opening; bits 3-5: vertex k does (also where this triangle has no edge on it)

@@ -1,5 +1,4 @@
 // Sums per edge in the solver's form.
-
 #include "contact/edge_sums.h"
 
 #include "math/jacobi.h"
@@ -8,7 +7,6 @@
 #include <cmath>
 
 namespace seldinger {
-
 namespace {
 
 constexpr int tri[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};  // place of (i, j) among xx xy xz yy yz zz

@@ -1,5 +1,4 @@
 // Launches of the force kernels and of contact_reduce.
-
 #include "contact/evaluation.h"
 
 #include "contact/device_records.h"
@@ -8,7 +7,6 @@
 #include <algorithm>
 
 namespace seldinger {
-
 namespace {
 
 bool any_rolls(std::span<const QuadratureModel> models)

@@ -1,13 +1,12 @@
 // Which kernels make forces on a device, and the memory of their stages.
-
 #include "contact/force_kernels.h"
 
 #include "contact/programs.h"
 #include "shared/contact_stages.h"
 #include "shared/instrument_slot.h"
+#include "shared/instrument_types.h"
 
 namespace seldinger {
-
 namespace {
 
 constexpr device::Items items_ = device::Items::Branching;
@@ -86,6 +85,23 @@ void InstrumentKernels::provide(std::size_t slots)
     if (is_whole() || records_.bytes() >= slots * record) return;
     records_ = device::Buffer(*context_, 2 * slots * record);
     todo_ = device::Buffer(*context_, (2 * slots + 1) * sizeof(cl_uint));
+}
+
+// Launches them over no cells.
+
+void warm_instrument_kernels(int device_index)
+{
+    device::Context context(device_index);
+    const device::Buffer none(context, 1 << 12);
+    for (const auto of : {InstrumentKernels::Of::Others, InstrumentKernels::Of::Itself}) {
+        InstrumentKernels kernels(context, programs::instruments, of);
+        kernels.provide(1);
+        for (const device::Queue at : {device::Queue::Inline, device::Queue::Pool}) {
+            context.enter(at);
+            kernels.launch(at, 1, InstrumentParams{}, none, none, none, none, none, none, none, none, none, none, none, none);
+            context.finish(at);
+        }
+    }
 }
 
 }  // namespace seldinger

@@ -88,4 +88,9 @@ private:
     Of of_;
 };
 
+// Kernels of contact between instruments, compiled before a run needs them.
+
+/// On both queues of the device, as `seldinger devices` numbers it; -1: the default.
+void warm_instrument_kernels(int device_index);
+
 }  // namespace seldinger

@@ -1,5 +1,4 @@
 // The published layer method: pairs found, evaluated and carried from step to step.
-
 #include "contact/layer.h"
 
 #include "contact/point_states.h"
@@ -15,7 +14,6 @@
 #include <cmath>
 
 namespace seldinger {
-
 namespace {
 
 constexpr double pair_length = 1e-3;  // stiffness of one pair = line stiffness x 1 mm [m]

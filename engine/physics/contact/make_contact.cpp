@@ -1,5 +1,4 @@
 // Chooses the detection method of a world by name.
-
 #include "contact/capsule.h"
 #include "contact/layer.h"
 #include "core/error.h"
@@ -22,10 +21,8 @@ std::unique_ptr<ContactMethod> make_contact(device::Context& context, const Cont
                     "\"hunt-crossley\" and \"lankarani-nikravesh\"; take it out");
     switch (contact.detection) {
         case Detection::Swept:
-        case Detection::Nodes:
-            return std::make_unique<CapsuleContact>(context, setup, rods, tree);
-        case Detection::Layer:
-            return std::make_unique<LayerContact>(context, setup, rods, tree);
+        case Detection::Nodes: return std::make_unique<CapsuleContact>(context, setup, rods, tree);
+        case Detection::Layer: return std::make_unique<LayerContact>(context, setup, rods, tree);
     }
     throw Error(ErrorKind::BadScene, "contact.detection: unknown method");
 }

@@ -1,5 +1,4 @@
 // Launches of contact_start and contact_multipliers.
-
 #include "contact/multipliers.h"
 
 #include "contact/programs.h"

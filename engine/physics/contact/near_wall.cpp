@@ -1,5 +1,4 @@
 // Cache of the wall near each quadrature point, and its renewal.
-
 #include "contact/near_wall.h"
 
 #include "contact/device_records.h"
@@ -10,7 +9,6 @@
 #include <limits>
 
 namespace seldinger {
-
 namespace {
 
 // quadrature points below which the caller's thread is faster than waking the pool (15 us)

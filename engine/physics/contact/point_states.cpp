@@ -1,5 +1,4 @@
 // State of quadrature points from step to step: places, records, saving.
-
 #include "contact/point_states.h"
 
 #include "contact/device_records.h"
@@ -12,7 +11,6 @@
 #include <type_traits>
 
 namespace seldinger {
-
 namespace {
 
 /// Joins ranges of points, given in rising order, that lie close together: f(first, end) copies each run at once.

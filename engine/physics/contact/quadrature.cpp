@@ -1,5 +1,4 @@
 // Quadrature points: made for a wire, placed on its edges.
-
 #include "contact/quadrature.h"
 
 #include "contact/wall_law.h"
@@ -11,7 +10,6 @@
 #include <cmath>
 
 namespace seldinger {
-
 namespace {
 
 /// What the user left open of the lengths in kernels/shared/multiplier_law.h, the same all along the wire.

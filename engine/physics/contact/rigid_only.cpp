@@ -1,5 +1,4 @@
 // In place of engine/elastic, of a program that was built without it.
-
 #include "contact/wall_body.h"
 #include "core/error.h"
 

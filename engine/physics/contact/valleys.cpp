@@ -1,12 +1,10 @@
 // Valleys between two facets: which contacts have crossed one, and what the direction needs to know of it.
-
 #include "contact/valleys.h"
 
 #include "contact/active_set.h"
 #include "shared/smooth_maximum.h"
 
 namespace seldinger {
-
 namespace {
 
 constexpr double least_turn = 1e-3;  // [rad] between the facets: beside a flatter valley the tangent of one facet serves

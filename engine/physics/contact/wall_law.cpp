@@ -1,5 +1,4 @@
 // Constants of the contact laws from the user's settings.
-
 #include "contact/wall_law.h"
 
 #include "core/check.h"
@@ -10,7 +9,6 @@
 #include <numbers>
 
 namespace seldinger {
-
 namespace {
 
 constexpr double pi = std::numbers::pi;
@@ -92,16 +90,11 @@ uint kernel_law(NormalLaw law)
 {
     switch (law) {
         case NormalLaw::HuntCrossley:
-        case NormalLaw::LankaraniNikravesh:
-            return SEL_NORMAL_DAMPED;
-        case NormalLaw::Augmented:
-            return SEL_NORMAL_AUGMENTED;
-        case NormalLaw::Constraint:
-            return SEL_NORMAL_CONSTRAINT;
-        case NormalLaw::Impulse:
-            return SEL_NORMAL_IMPULSE;
-        case NormalLaw::Barrier:
-            return SEL_NORMAL_BARRIER;
+        case NormalLaw::LankaraniNikravesh: return SEL_NORMAL_DAMPED;
+        case NormalLaw::Augmented: return SEL_NORMAL_AUGMENTED;
+        case NormalLaw::Constraint: return SEL_NORMAL_CONSTRAINT;
+        case NormalLaw::Impulse: return SEL_NORMAL_IMPULSE;
+        case NormalLaw::Barrier: return SEL_NORMAL_BARRIER;
     }
     return SEL_NORMAL_DAMPED;
 }
@@ -109,14 +102,10 @@ uint kernel_law(NormalLaw law)
 uint kernel_law(FrictionLaw law)
 {
     switch (law) {
-        case FrictionLaw::StickSlip:
-            return SEL_FRICTION_STICK_SLIP;
-        case FrictionLaw::Smooth:
-            return SEL_FRICTION_SMOOTH;
-        case FrictionLaw::Sign:
-            return SEL_FRICTION_SIGN;
-        case FrictionLaw::None:
-            return SEL_FRICTION_NONE;
+        case FrictionLaw::StickSlip: return SEL_FRICTION_STICK_SLIP;
+        case FrictionLaw::Smooth: return SEL_FRICTION_SMOOTH;
+        case FrictionLaw::Sign: return SEL_FRICTION_SIGN;
+        case FrictionLaw::None: return SEL_FRICTION_NONE;
     }
     return SEL_FRICTION_STICK_SLIP;
 }

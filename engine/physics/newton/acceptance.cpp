@@ -1,5 +1,4 @@
 // How a trial is judged: the two tests of acceptance.h.
-
 #include "newton/acceptance.h"
 
 #include <algorithm>

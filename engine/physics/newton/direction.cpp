@@ -1,12 +1,10 @@
 // The direction from a base, its first trial, chord steps, and the shift of statics.
-
 #include "newton/direction.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace seldinger {
-
 namespace {
 
 /// Trials until a residual of so many tolerances is within one, if each leaves `rate` of it.

@@ -1,7 +1,6 @@
 // Static equilibrium: Newton with an adaptive shift first. If that stalls, pseudo-transient continuation follows the wire
 // downhill. If that is too slow, Newton runs for as long. Example: the buckled shape of a ring beyond Michell's twist may sit
 // anywhere along the ring, a bent valley with hardly a slope. There pseudo-time is slow, and Newton needs 1,400 iterations.
-
 #include "newton/solver_work.h"
 
 #include <algorithm>

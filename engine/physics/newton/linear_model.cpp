@@ -1,5 +1,4 @@
 // Choice of the matrix, Levenberg-Marquardt shift, corrections.
-
 #include "newton/linear_model.h"
 
 #include "core/prefetch.h"

@@ -1,11 +1,9 @@
 // The balance of momentum, from the readings of each term.
-
 #include "newton/momentum.h"
 
 #include "newton/solver.h"
 
 namespace seldinger {
-
 namespace {
 
 Vec3 rate_of_change(const RodView& rod, const IntegratorSpec& spec, const MomentumStart& start, double h)

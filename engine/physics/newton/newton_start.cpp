@@ -2,14 +2,12 @@
 // velocity, as far as force terms have searched. Instruments that are separate rods also use their acceleration: x + h v + h^2 a
 // with a of the last step. Their mutual forces change less from step to step than from rest to motion, and such a guess saves one
 // of three iterations.
-
 #include "newton/newton_system.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace seldinger {
-
 namespace {
 
 /// h^2 a where nothing is prescribed. @param move  [unknowns] of the wire, overwritten

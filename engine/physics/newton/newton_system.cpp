@@ -1,5 +1,4 @@
 // The driver of Newton's method for one system: decision at each trial, new direction and trial. How it starts: newton_start.cpp.
-
 #include "newton/newton_system.h"
 
 #include "core/prefetch.h"

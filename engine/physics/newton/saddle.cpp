@@ -1,5 +1,4 @@
 // Leaves unstable equilibria by a small perturbation along their softest mode.
-
 #include "newton/direction.h"
 
 #include <algorithm>

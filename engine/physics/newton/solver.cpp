@@ -1,6 +1,5 @@
 // The lockstep: trials of all systems, their evaluation, their decisions, until all have ended (one solve's begin and end:
 // solver_step.cpp).
-
 #include "newton/solver.h"
 
 #include "core/error.h"
@@ -11,7 +10,6 @@
 #include <numeric>
 
 namespace seldinger {
-
 namespace {
 
 // of multipliers: misses shrink to a quarter and better in a round, stiffnesses seen to

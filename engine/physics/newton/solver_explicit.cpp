@@ -1,5 +1,4 @@
 // Symplectic Euler, and accelerations at the start of a run: steps that solve no equations.
-
 #include "newton/solver_work.h"
 
 namespace seldinger {

@@ -1,5 +1,4 @@
 // Readings of a solve, per wire.
-
 #include "newton/solver_work.h"
 
 #include <algorithm>

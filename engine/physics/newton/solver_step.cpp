@@ -1,5 +1,4 @@
 // One step in time of all systems: begin, Newton, spin angles that were left out, end.
-
 #include "newton/solver_work.h"
 
 #include <algorithm>

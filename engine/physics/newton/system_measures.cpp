@@ -1,5 +1,4 @@
 // Measures of a system's residuals and moves, and questions to all its wires in turn.
-
 #include "newton/system_problem.h"
 
 #include <algorithm>

@@ -1,5 +1,4 @@
 // One system: its wires' unknowns laid out, their equations joined.
-
 #include "newton/system_problem.h"
 
 #include "core/prefetch.h"

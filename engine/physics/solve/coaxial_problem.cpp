@@ -1,5 +1,4 @@
 // Elastic forces and tangent of instruments that share a centreline, and the motion of their passengers along it.
-
 #include "solve/coaxial_problem.h"
 
 #include <algorithm>

@@ -1,5 +1,4 @@
 // Places and times of holds, loads and links: points of the wire by their material distance, times by their keys.
-
 #include "solve/constraints.h"
 
 #include "core/error.h"
@@ -12,7 +11,6 @@
 #include <numbers>
 
 namespace seldinger {
-
 namespace {
 
 /// Piecewise linear through rows [t, v...], constant outside.
@@ -242,12 +240,11 @@ void WireHolds::take_line_holds(std::span<const HoldSpec> holds, const RodView& 
                             "\"merged\". Fix: position = true, or model = \"separate\"",
                             k));
         const Place place = locate(spec.at, own, offset);
-        Hold hold;
-        hold.spec = spec;
-        hold.material_s = from_tip;
-        hold.position = (1 - place.bary) * own.pos(place.edge) + place.bary * own.pos(place.edge + 1);
-        hold.tangent = own.tangent(place.edge);
-        hold.director = material_director(own, place.edge);
+        Hold hold{.spec = spec,
+                  .material_s = from_tip,
+                  .position = (1 - place.bary) * own.pos(place.edge) + place.bary * own.pos(place.edge + 1),
+                  .tangent = own.tangent(place.edge),
+                  .director = material_director(own, place.edge)};
         holds_.push_back(hold);
     }
 }

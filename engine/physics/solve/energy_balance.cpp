@@ -1,9 +1,7 @@
 // The sums from which generated energy is found.
-
 #include "solve/energy_balance.h"
 
 namespace seldinger {
-
 namespace {
 
 constexpr double rounding_share = 1e-9;

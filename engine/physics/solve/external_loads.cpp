@@ -1,5 +1,4 @@
 // Weight, dead loads, links and damping by mass.
-
 #include "solve/external_loads.h"
 
 #include "core/prefetch.h"

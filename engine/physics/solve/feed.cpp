@@ -1,5 +1,4 @@
 // Feeding a wire: the introducer, the growing base edge, births and merges of the node next to the inlet.
-
 #include "solve/feed.h"
 
 #include "core/check.h"
@@ -11,7 +10,6 @@
 #include <vector>
 
 namespace seldinger {
-
 namespace {
 
 // Surpluses of rest length fade over this time [s], or while an edge is fed: slow against axial waves, fast against a hand.

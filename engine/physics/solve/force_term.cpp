@@ -1,5 +1,4 @@
 // Joins the results of a list of force terms.
-
 #include "solve/force_term.h"
 
 #include <algorithm>

@@ -98,7 +98,7 @@ struct KinksPassed {
     KinksPassed& operator+=(const KinksPassed& other);
 };
 
-/// A kink that a contact has gone over, as the base sees it (newton/kink_balance.h).
+/// A kink that a contact has gone over, as the base sees it (newton/kinks.h).
 struct Kink {
     int node;            // of the wire: the contact is between it and the next one
     double bary;         // at (1 - bary) of the first and bary of the second

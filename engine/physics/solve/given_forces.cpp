@@ -1,5 +1,4 @@
 // Forces that the program gives: what they see, what they answer, and how that acts on nodes and spins.
-
 #include "solve/given_forces.h"
 
 #include "core/error.h"
@@ -14,7 +13,6 @@
 #include <utility>
 
 namespace seldinger {
-
 namespace {
 
 constexpr double move = 1e-7, turn = 1e-6;  // of differences [m], [rad]

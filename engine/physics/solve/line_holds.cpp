@@ -1,5 +1,4 @@
 // Holds of instruments that share a centreline: place, force, state.
-
 #include "solve/line_holds.h"
 
 #include "core/state_walk.h"
@@ -10,7 +9,6 @@
 #include <limits>
 
 namespace seldinger {
-
 namespace {
 
 constexpr double stiffness_share = 10;   // K, of an edge's EA/l

@@ -1,5 +1,4 @@
 // Prediction of tensions, and its effect on residual and tangent.
-
 #include "solve/mixed_tension.h"
 
 #include "core/prefetch.h"

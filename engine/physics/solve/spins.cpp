@@ -6,7 +6,6 @@
 // holds to the torsional inertia J theta'' (1e-4 of the bending forces and less). It is not taken on trust. After each step
 // solved without them the spins' equations are evaluated, friction's torque included. A step in which they do not hold to the
 // solver's tolerance is solved again with them (Solver::check_spins).
-
 #include "rod/clamp.h"
 #include "solve/wire_problem.h"
 
@@ -14,7 +13,6 @@
 #include <cmath>
 
 namespace seldinger {
-
 namespace {
 
 /// Whether a clamp of the spin twists an edge by more than `moment` [N m] at the start of the step.

@@ -1,5 +1,4 @@
 // Rates and bases of the time schemes.
-
 #include "solve/time_scheme.h"
 
 #include "core/prefetch.h"

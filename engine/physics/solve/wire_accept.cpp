@@ -1,5 +1,4 @@
 // The reference configuration of a wire's trials, and its accepted state.
-
 #include "solve/wire_problem.h"
 
 #include <algorithm>

@@ -1,5 +1,4 @@
 // Start of a step, residual and tangent of one wire.
-
 #include "solve/wire_problem.h"
 
 #include "core/prefetch.h"

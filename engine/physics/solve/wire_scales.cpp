@@ -1,5 +1,4 @@
 // Scales for the residual of a wire, and the measures of residuals and moves.
-
 #include "solve/wire_problem.h"
 
 #include <algorithm>
@@ -7,7 +6,6 @@
 #include <limits>
 
 namespace seldinger {
-
 namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();

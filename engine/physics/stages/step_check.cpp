@@ -1,6 +1,5 @@
 // The check stage: non-finite values, axis points beyond the wall that detection could not see, and whether contact samples add
 // up.
-
 #include "contact/contact_sums.h"
 #include "contact/wall_contact.h"
 #include "device/device.h"
@@ -12,7 +11,6 @@
 #include <vector>
 
 namespace seldinger {
-
 namespace {
 
 // Published detection does not know on which side of the wall it is, and a sample that crosses a wall within one step has never

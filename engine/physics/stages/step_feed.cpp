@@ -1,5 +1,4 @@
 // The feed stage: the control's input for the hubs, and holds, loads and links for the rest of the wire.
-
 #include "core/parallel.h"
 #include "stages/step_stages.h"
 
@@ -7,7 +6,6 @@
 #include <cmath>
 
 namespace seldinger {
-
 namespace {
 
 constexpr double most_feed_parts = 4096;

@@ -1,6 +1,5 @@
 // Hubs that a force drives (D16, solve/driven_hub.h): how far they go in a sub-step, and whether that suits what instruments
 // answer.
-
 #include "stages/step_stages.h"
 
 #include <algorithm>
@@ -8,7 +7,6 @@
 #include <tuple>
 
 namespace seldinger {
-
 namespace {
 
 constexpr int most_trials = 40;          // Newton's method takes two to four; more where the answer jumps, as at the inlet

@@ -1,5 +1,4 @@
 // The adapt stage: splits and merges edges of rods between steps, and births at the inlet of a fed rod.
-
 #include "contact/wall_contact.h"
 #include "core/clock.h"
 #include "stages/step_stages.h"
@@ -8,7 +7,6 @@
 #include <cmath>
 
 namespace seldinger {
-
 namespace {
 
 // Nodes come at once and go slowly: a wire that shivers is not to lose and get the same node over and over.

@@ -1,5 +1,4 @@
 // Readings of the accepted state of a sub-step: contact, hands, energies, momentum.
-
 #include "contact/contact_system.h"
 #include "contact/rods/instrument_contact.h"
 #include "stages/step_stages.h"
@@ -7,7 +6,6 @@
 #include <algorithm>
 
 namespace seldinger {
-
 namespace {
 
 /// Tangent of the wire at its hub, from tip to hub, to second order in the edge length. It is the clamp's direction, else that of

@@ -1,6 +1,5 @@
 // Static equilibrium of all systems: a continuation path along which holds and links are moved, and births and merges of nodes
 // until none is needed.
-
 #include "core/clock.h"
 #include "stages/step_stages.h"
 
@@ -9,7 +8,6 @@
 #include <optional>
 
 namespace seldinger {
-
 namespace {
 
 constexpr int most_static_halvings = 6;

@@ -1,6 +1,5 @@
 // From the start of a step to the accepted states: the state that a failed attempt returns to, detection, Newton, and the
 // treatment of systems that do not converge.
-
 #include "contact/wall_contact.h"
 #include "core/clock.h"
 #include "core/parallel.h"
@@ -11,7 +10,6 @@
 #include <algorithm>
 
 namespace seldinger {
-
 namespace {
 
 constexpr int most_energy_halvings = 3;  // energy that steps eight times as short make too is none of the step's length

@@ -1,5 +1,4 @@
 // Residuals of steps cut short, from one step to the next.
-
 #include "world/carried.h"
 
 #include "core/state_walk.h"
@@ -9,7 +8,6 @@
 #include <algorithm>
 
 namespace seldinger {
-
 namespace {
 
 constexpr std::uint32_t most_carried = 1u << 20;  // places of one wire, in a file

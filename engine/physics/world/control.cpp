@@ -1,5 +1,4 @@
 // Gathers the input of each hub, and loads.
-
 #include "control.h"
 
 #include "core/error.h"
@@ -9,7 +8,6 @@
 #include <cmath>
 
 namespace seldinger {
-
 namespace {
 
 void check_index(int instrument)
@@ -56,10 +54,7 @@ Control& Control::load(int instrument, double at, const Vec3& force, const Vec3&
         throw Error(ErrorKind::BadScene,
                     fmt::format("control: instrument {}: load: got a place, force or moment that is not finite; expected numbers",
                                 instrument));
-    LoadSpec spec;
-    spec.at = {WirePoint::Kind::Distance, at};
-    spec.force = force;
-    spec.moment = moment;
+    LoadSpec spec{.at = {WirePoint::Kind::Distance, at}, .force = force, .moment = moment};
     loads_.push_back({instrument, spec});
     return *this;
 }

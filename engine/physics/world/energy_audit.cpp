@@ -1,5 +1,4 @@
 // Reads the energies of a wire and the work done on it, sub-step by sub-step.
-
 #include "world/energy_audit.h"
 
 #include "world/world_rod.h"
@@ -10,7 +9,6 @@
 #include <utility>
 
 namespace seldinger {
-
 namespace {
 
 constexpr double floor_share = 1e-3;  // of the wire's own scale of energy, see energy_floor

@@ -1,5 +1,4 @@
 // Instruments that share one centreline: placed, fed, held.
-
 #include "world/world_rod.h"
 
 #include "contact/contact_system.h"
@@ -12,7 +11,6 @@
 #include <cmath>
 
 namespace seldinger {
-
 namespace {
 
 /// Edge of the line of a group.

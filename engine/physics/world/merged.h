@@ -91,5 +91,4 @@ struct MergedWork {
 };
 [[nodiscard]] MergedWork merged_work(const WorldData& world, const MergedGroup& group, const MergedForces& forces);
 
-
 }  // namespace seldinger

@@ -1,5 +1,4 @@
 // Constraints and loads of instruments on one centreline: the hub, and the scene's points on their material.
-
 #include "core/error.h"
 #include "solve/given_forces.h"
 #include "solve/line_holds.h"
@@ -8,7 +7,6 @@
 #include <fmt/format.h>
 
 namespace seldinger {
-
 namespace {
 
 int nearest_line_node(const RodView& line, double s)

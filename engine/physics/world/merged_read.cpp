@@ -1,5 +1,4 @@
 // Instruments that share one centreline: forces at their hands, how wrong nodes make these, and each instrument alone.
-
 #include "contact/rods/coaxial_friction.h"
 #include "contact/contact_system.h"
 #include "world/node_errors.h"
@@ -11,7 +10,6 @@
 #include <utility>
 
 namespace seldinger {
-
 namespace {
 
 /// Force of the surroundings on an instrument along the line, + towards the tip: the wall's, that of loads and links [N].

@@ -1,5 +1,4 @@
 // How far the finite length of edges has tip and energy.
-
 #include "world/node_errors.h"
 #include "world/world_rod.h"
 
@@ -7,7 +6,6 @@
 #include <limits>
 
 namespace seldinger {
-
 namespace {
 
 /// What a rod's shape is judged by.

@@ -1,5 +1,4 @@
 // The list of sub-steps of a step, and the masks of the systems that take part.
-
 #include "world/sub_steps.h"
 
 #include <algorithm>
@@ -7,7 +6,6 @@
 #include <utility>
 
 namespace seldinger {
-
 namespace {
 
 // A step holds some four masks, a halved one four more at each level.

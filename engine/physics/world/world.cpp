@@ -1,5 +1,4 @@
 // Building a World: rods and feeds placed, holds resolved, contact and solver made. What happens in a step is in step.cpp.
-
 #include "world/world.h"
 
 #include "contact/wall_body.h"

@@ -1,5 +1,4 @@
 // Errors that a world refuses, before anything is built or changed: contradictory setups and impossible controls.
-
 #include "contact/quadrature.h"
 #include "core/error.h"
 #include "vessel/mesh_edges.h"
@@ -16,7 +15,6 @@
 #include <string_view>
 
 namespace seldinger {
-
 namespace {
 
 [[noreturn]] void refuse(std::string_view where, std::string_view what)

@@ -1,5 +1,4 @@
 // Contact of a world's wires: made from its setup, asked for what wall and instruments do together.
-
 #include "world/world_forces.h"
 
 #include "contact/contact_system.h"

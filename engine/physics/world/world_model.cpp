@@ -1,5 +1,4 @@
 // Choices of a world's model and why they were made, in words.
-
 #include "contact/contact_system.h"
 #include "device/device.h"
 #include "rod/place.h"
@@ -11,7 +10,6 @@
 #include <algorithm>
 
 namespace seldinger {
-
 namespace {
 
 std::string describe_nodes(const WorldRod& rod)

@@ -1,5 +1,4 @@
 // Reading a world: the accepted state in its form for the user.
-
 #include "contact/contact_sums.h"
 #include "contact/contact_system.h"
 #include "contact/rods/instrument_contact.h"

@@ -1,11 +1,9 @@
 // One rod of a world, of K >= 1 instruments: what its stages ask of the accepted state.
-
 #include "world/world_rod.h"
 
 #include <algorithm>
 
 namespace seldinger {
-
 namespace {
 
 /// Moments and torques of instruments on one centreline; a wire's planner has its own.

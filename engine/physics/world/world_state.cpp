@@ -1,13 +1,11 @@
 // What of a world must survive a step, row by row, and the walks over these rows: saving, restoring, hashing, keeping a wire for
 // an attempt and putting it back.
-
 #include "core/state_walk.h"
 #include "world/world_rod.h"
 
 #include <cmath>
 
 namespace seldinger {
-
 namespace {
 
 constexpr double longest = 1e4;      // [m] places, lengths

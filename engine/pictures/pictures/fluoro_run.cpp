@@ -6,7 +6,7 @@
 #include "io/dicom_write.h"
 #include "io/film_write.h"
 #include "io/mesh_file.h"
-#include "io/npy_write.h"
+#include "io/npz_write.h"
 #include "io/png_write.h"
 #include "pictures/fluorography.h"
 #include "pictures/label_files.h"

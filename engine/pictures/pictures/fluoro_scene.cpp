@@ -50,7 +50,6 @@ FluoroOptions fluoro_options(const Scene& scene, bool instruments)
     return o;
 }
 
-
 Scene scene_of_pictures(const std::filesystem::path& dir, std::vector<std::string> overrides)
 {
     const Folder run(dir);

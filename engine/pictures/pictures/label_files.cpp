@@ -3,7 +3,7 @@
 
 #include "core/file_io.h"
 #include "io/json_text.h"
-#include "io/npy_write.h"
+#include "io/npz_write.h"
 #include "io/png_write.h"
 
 #include <nlohmann/json.hpp>

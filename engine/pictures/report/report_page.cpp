@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "core/file_io.h"
 #include "core/sha256.h"
+#include "io/binary_text.h"
 #include "io/json_text.h"
 #include "io/vtp_read.h"
 #include "models/result_table.h"
@@ -30,20 +31,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;  // what the page shows is in the order of the files
-
-std::string base64(std::string_view bytes)
-{
-    static constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string text;
-    text.reserve((bytes.size() + 2) / 3 * 4);
-    for (std::size_t at = 0; at < bytes.size(); at += 3) {
-        unsigned word = 0;
-        const std::size_t there = std::min<std::size_t>(3, bytes.size() - at);
-        for (std::size_t k = 0; k < 3; ++k) word = word << 8 | (k < there ? static_cast<unsigned char>(bytes[at + k]) : 0u);
-        for (std::size_t k = 0; k < 4; ++k) text += k <= there ? digits[word >> (18 - 6 * k) & 63] : '=';
-    }
-    return text;
-}
 
 std::string base64_of(const std::array<std::uint8_t, 32>& hash)
 {

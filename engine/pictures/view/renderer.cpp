@@ -9,7 +9,6 @@
 #include "view/legend.h"
 #include "view/shaders.h"
 #include "view/solids.h"
-#include "view/wall_vertices.h"
 
 #include <fmt/format.h>
 

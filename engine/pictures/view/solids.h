@@ -5,6 +5,7 @@
 #include "math/vec3.h"
 #include "view/colour.h"
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -42,5 +43,13 @@ void add_tube(Solids& solids, std::span<const TubeStation> line, std::span<const
 void add_ball(Solids& solids, const TubeStation& ball, const Rgb& colour, const Vec3& origin);
 /// Cone from `base` (its radius) to a point at `end`.
 void add_cone(Solids& solids, const TubeStation& base, const Vec3& end, const Rgb& colour, const Vec3& origin);
+
+// The wall as the graphics card has it.
+
+/// Position relative to `origin`, area-weighted normal and share of the scale of every vertex, seven numbers each. @param share 
+/// empty: 0
+[[nodiscard]] std::vector<float> interleaved_wall(const std::vector<Vec3>& vertices,
+                                                  const std::vector<std::array<std::int32_t, 3>>& triangles,
+                                                  std::span<const float> share, const Vec3& origin);
 
 }  // namespace seldinger

@@ -293,50 +293,35 @@ std::vector<BatchRow> BatchWorld::step()
 
 void BatchWorld::save(std::vector<std::uint8_t>& bytes) const
 {
-    const std::uint8_t settled = loop_->begun();
-    put_bytes(bytes, &settled, 1);
+    ByteWriter put{bytes};
+    put(loop_->begun());
     for (const Run& run : runs_) {
-        put_bytes(bytes, &run.tally, 1);
-        const std::uint8_t finished = !loop_->runs(static_cast<int>(&run - runs_.data()));
-        put_bytes(bytes, &finished, 1);
-        const std::uint64_t length = run.trace.size();
-        put_bytes(bytes, &length, 1);
-        put_bytes(bytes, run.trace.data(), run.trace.size());
+        put(run.tally);
+        put(!loop_->runs(static_cast<int>(&run - runs_.data())));
+        put(run.trace);
     }
-    const std::vector<std::uint8_t> state = world_->save_state();
-    const std::uint64_t size = state.size();
-    put_bytes(bytes, &size, 1);
-    put_bytes(bytes, state.data(), state.size());
+    put(world_->save_state());
 }
 
 void BatchWorld::restore(const std::uint8_t*& at, const std::uint8_t* end)
 {
-    std::uint8_t settled = 0;
-    take_bytes(at, end, &settled, 1);
+    ByteReader take{at, end};
+    bool settled = false, finished = false;
+    take(settled);
     for (Run& run : runs_) {
-        take_bytes(at, end, &run.tally, 1);
-        std::uint8_t finished = 0;
-        take_bytes(at, end, &finished, 1);
-        if (finished > 1 || settled > 1 || !is_sound(run.tally, scene_.steps()))
+        const int system = static_cast<int>(&run - runs_.data());
+        take(run.tally), take(finished);
+        if (!is_sound(run.tally, scene_.steps()))
             throw Error(ErrorKind::BadFile,
                         "got a saved state with a counter out of range; expected one that this version wrote");
-        std::uint64_t length = 0;
-        take_bytes(at, end, &length, 1);
-        if (length > static_cast<std::uint64_t>(end - at))
-            throw Error(ErrorKind::BadFile, "the saved state is longer than the file");
-        run.trace.resize(length);
-        take_bytes(at, end, run.trace.data(), run.trace.size());
-        if (finished) world_->retire(static_cast<int>(&run - runs_.data()));
-        if (settled)
-            loop_->resume(static_cast<int>(&run - runs_.data()), static_cast<long>(run.tally.steps),
-                          static_cast<long>(run.tally.rest_steps), finished);
+        take(run.trace);
+        if (finished) world_->retire(system);
+        if (settled) loop_->resume(system, static_cast<long>(run.tally.steps), static_cast<long>(run.tally.rest_steps), finished);
     }
-    std::uint64_t size = 0;
-    take_bytes(at, end, &size, 1);
-    if (size > static_cast<std::uint64_t>(end - at)) throw Error(ErrorKind::BadFile, "the saved state is longer than the file");
-    std::vector<std::uint8_t> state(size);
-    take_bytes(at, end, state.data(), state.size());
+    std::vector<std::uint8_t> state;
+    take(state);
     world_->restore_state(state);
+    at = take.at;
 }
 
 }  // namespace seldinger

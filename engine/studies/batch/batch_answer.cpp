@@ -1,7 +1,7 @@
 // Counts and ranks a batch's runs, and says so in one line.
 #include "batch/batch_answer.h"
 
-#include "run/force_text.h"
+#include "bands/error_band.h"
 
 #include <fmt/format.h>
 

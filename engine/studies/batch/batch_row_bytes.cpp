@@ -30,52 +30,28 @@ bool has_sound_counts(const BatchRow& row)
                        [](const BatchRow::OfInstrument& of) { return are_sound_counts(instrument_columns, of); });
 }
 
+template <class Row>
+void each_row_field(Row& row, auto& take)
+{
+    take(row.run), take(row.status), take(row.numbers), take(row.state_hash), take(row.branch_path), take(row.instruments);
+    take(row.shape);
+}
+
 }  // namespace
 
 void put_rows(std::vector<std::uint8_t>& bytes, std::span<const BatchRow> rows)
 {
-    const std::uint64_t count = rows.size();
-    put_bytes(bytes, &count, 1);
-    for (const BatchRow& row : rows) {
-        const std::uint64_t instruments = row.instruments.size();
-        put_bytes(bytes, &row.run, 1);
-        put_bytes(bytes, &row.status, 1);
-        put_bytes(bytes, row.numbers.data(), row.numbers.size());
-        put_bytes(bytes, row.state_hash.data(), row.state_hash.size());
-        const std::uint64_t letters = row.branch_path.size();
-        put_bytes(bytes, &letters, 1);
-        put_bytes(bytes, row.branch_path.data(), row.branch_path.size());
-        put_bytes(bytes, &instruments, 1);
-        put_bytes(bytes, row.instruments.data(), row.instruments.size());
-        const std::uint64_t coordinates = row.shape.size();
-        put_bytes(bytes, &coordinates, 1);
-        put_bytes(bytes, row.shape.data(), row.shape.size());
-    }
+    ByteWriter put{bytes};
+    put(std::uint64_t{rows.size()});
+    for (const BatchRow& row : rows) each_row_field(row, put);
 }
 
 std::vector<BatchRow> take_rows(const std::uint8_t*& at, const std::uint8_t* end)
 {
-    // a count is no reason to ask for memory: rows are made as bytes are there for them
-    const auto take_count = [&](std::size_t size) {
-        std::uint64_t count = 0;
-        take_bytes(at, end, &count, 1);
-        if (count > static_cast<std::uint64_t>(end - at) / size)
-            throw Error(ErrorKind::BadFile, "a list is longer than the file");
-        return static_cast<std::size_t>(count);
-    };
-    std::vector<BatchRow> rows(take_count(least_row));
-    for (BatchRow& row : rows) {
-        take_bytes(at, end, &row.run, 1);
-        take_bytes(at, end, &row.status, 1);
-        take_bytes(at, end, row.numbers.data(), row.numbers.size());
-        take_bytes(at, end, row.state_hash.data(), row.state_hash.size());
-        row.branch_path.resize(take_count(1));
-        take_bytes(at, end, row.branch_path.data(), row.branch_path.size());
-        row.instruments.resize(take_count(sizeof(BatchRow::OfInstrument)));
-        take_bytes(at, end, row.instruments.data(), row.instruments.size());
-        row.shape.resize(take_count(sizeof(float)));
-        take_bytes(at, end, row.shape.data(), row.shape.size());
-    }
+    ByteReader take{at, end};
+    std::vector<BatchRow> rows(take.count(least_row));
+    for (BatchRow& row : rows) each_row_field(row, take);
+    at = take.at;
     return rows;
 }
 

@@ -15,64 +15,9 @@ namespace {
 constexpr std::string_view magic = "SELBATCA";
 constexpr std::uint64_t most_rows = 10'000'000;  // beyond what any sweep has, and little enough to be listed in memory
 
-struct Writer {
-    std::vector<std::uint8_t> bytes;
-
-    template <class T>
-    void operator()(const T& value)
-    {
-        put_bytes(bytes, &value, 1);
-    }
-    void operator()(const std::string& text)
-    {
-        (*this)(std::uint64_t{text.size()});
-        put_bytes(bytes, text.data(), text.size());
-    }
-    void operator()(const std::vector<std::string>& texts)
-    {
-        (*this)(std::uint64_t{texts.size()});
-        for (const std::string& text : texts) (*this)(text);
-    }
-};
-
-struct Reader {
-    const std::uint8_t *at, *end;
-
-    template <class T>
-    void operator()(T& value)
-    {
-        take_bytes(at, end, &value, 1);
-    }
-    void operator()(bool& flag)
-    {
-        std::uint8_t byte = 0;
-        take_bytes(at, end, &byte, 1);
-        if (byte > 1) throw Error(ErrorKind::BadFile, "is corrupt: a value is out of range");
-        flag = byte == 1;
-    }
-    void operator()(std::string& text)
-    {
-        text.resize(count());
-        take_bytes(at, end, text.data(), text.size());
-    }
-    void operator()(std::vector<std::string>& texts)
-    {
-        for (std::size_t left = count(); left > 0; --left) (*this)(texts.emplace_back());
-    }
-
-private:
-    std::size_t count()
-    {
-        std::uint64_t n = 0;
-        (*this)(n);
-        if (n > static_cast<std::uint64_t>(end - at)) throw Error(ErrorKind::BadFile, "a list is longer than the file");
-        return n;
-    }
-};
-
 /// What stands before the rows.
 template <class Saved>
-void each_field(Saved& s, auto& take)
+void each_head_field(Saved& s, auto& take)
 {
     take(s.device), take(s.scene), take(s.sweep), take(s.name), take(s.seed), take(s.instruments);
     take(s.layout.instruments), take(s.layout.task), take(s.layout.bands), take(s.layout.runs), take(s.layout.target);
@@ -98,18 +43,19 @@ bool is_sound(const SavedBatch& s)
 
 void write_saved(const FilePlace& file, const SavedBatch& saved, const std::function<void(std::vector<std::uint8_t>&)>& put_world)
 {
-    Writer writer;
-    writer(std::string(version()));
-    each_field(saved, writer);
-    put_rows(writer.bytes, saved.rows);
-    if (saved.open) put_world(writer.bytes);
-    write_sealed(file, magic, writer.bytes);
+    std::vector<std::uint8_t> bytes;
+    ByteWriter put{bytes};
+    put(std::string(version()));
+    each_head_field(saved, put);
+    put_rows(bytes, saved.rows);
+    if (saved.open) put_world(bytes);
+    write_sealed(file, magic, bytes);
 }
 
 SavedBatch read_saved(const FilePlace& file, std::vector<std::uint8_t>& world)
 {
     const std::vector<std::uint8_t> bytes = read_sealed(file, magic);
-    Reader reader{bytes.data(), bytes.data() + bytes.size()};
+    ByteReader reader{bytes.data(), bytes.data() + bytes.size()};
     SavedBatch saved;
     try {
         std::string writer;
@@ -117,7 +63,7 @@ SavedBatch read_saved(const FilePlace& file, std::vector<std::uint8_t>& world)
         if (writer != version())
             throw Error(ErrorKind::BadFile,
                         fmt::format("was written by version {}, this is {}; take that one", writer, version()));
-        each_field(saved, reader);
+        each_head_field(saved, reader);
         saved.rows = take_rows(reader.at, reader.end);
         if (!is_sound(saved)) throw Error(ErrorKind::BadFile, "is corrupt: a value is out of range");
         if (!saved.open && reader.at != reader.end) throw Error(ErrorKind::BadFile, "has data after its end");

@@ -115,14 +115,10 @@ std::string number_field(double value) { return std::isfinite(value) ? fmt::form
 const char* column_kind_word(ColumnKind kind)
 {
     switch (kind) {
-        case ColumnKind::Outcome:
-            return "outcome";
-        case ColumnKind::Largest:
-            return "largest";
-        case ColumnKind::Last:
-            return "last";
-        case ColumnKind::Effort:
-            return "effort";
+        case ColumnKind::Outcome: return "outcome";
+        case ColumnKind::Largest: return "largest";
+        case ColumnKind::Last: return "last";
+        case ColumnKind::Effort: return "effort";
     }
     return "";
 }

@@ -6,7 +6,6 @@
 #include "core/fnv1a.h"
 #include "scene/toml_parse.h"
 #include "scene/toml_table.h"
-#include "scene/toml_text.h"
 
 #include <fmt/format.h>
 
@@ -21,13 +20,6 @@ constexpr double most_runs = 1e6;
 constexpr std::size_t most_values = 4'000'000;  // in all axes: some 300 MB
 constexpr std::size_t most_axes = 1000;
 
-std::string number_text(double value)
-{
-    std::string text = fmt::format("{}", value);  // the shortest that reads back to the same bits
-    if (text.find_first_of(".en") == std::string::npos) text += ".0";
-    return text;
-}
-
 /// A value as TOML on one line: the library would spread a long list or table over several.
 std::string value_text(const toml::node& node)
 {
@@ -41,7 +33,7 @@ std::string value_text(const toml::node& node)
         for (const auto& [key, item] : *table) join(toml_quoted(key.str()) + " = " + value_text(item));
         return "{" + text + "}";
     }
-    if (node.is_floating_point()) return number_text(*node.value<double>());
+    if (node.is_floating_point()) return toml_number(*node.value<double>());
     std::ostringstream out;
     out << toml::toml_formatter(node, toml::toml_formatter::default_flags & ~toml::format_flags::allow_multi_line_strings &
                                           ~toml::format_flags::allow_literal_strings);
@@ -75,7 +67,7 @@ void draw_values(const toml::table& table, std::int64_t seed, std::size_t most, 
     axis.drawn = true;
     for (int k = 0; k < n; ++k) {
         const double u = draw(seed, axis.key, static_cast<std::uint64_t>(k));
-        axis.values.push_back(number_text(log ? low * std::pow(high / low, u) : low + (high - low) * u));
+        axis.values.push_back(toml_number(log ? low * std::pow(high / low, u) : low + (high - low) * u));
     }
 }
 

@@ -11,7 +11,6 @@
 #include <algorithm>
 
 namespace seldinger {
-
 namespace {
 
 struct TimedRun {

@@ -1,7 +1,6 @@
 // The maps: failure rows F1 ... F21 as small scenes. A wire of 0.9 mm, 8 cm long, does the row's motion in 2/3 s. Most rows use
 // one scene, fed round a bend whose outer wall it meets at once. Sizes are chosen so that a cell costs a fraction of a second at
 // 1 ms.
-
 #include "lab/stability.h"
 #include "lab/stability_meshes.h"
 #include "lab/stability_parts.h"
@@ -66,12 +65,8 @@ StabilityMap twist()
 
 StabilityMap stiffness()
 {
-    StabilityMap map = fed_map("stiffness", "F2 F3", "contact stiffness, by the wall's modulus",
-                               "stiffness of the wall, of nominal", decades(0.1, 1e3, 2));
-    map.set = [](double value, double, double pace, const fs::path&) {
-        return fed(pace, Texts{fmt::format("vessel.youngs_pa={}", 1e6 * value)});
-    };
-    return map;
+    return fed_by("stiffness", "F2 F3", "contact stiffness, by the wall's modulus", "stiffness of the wall, of nominal",
+                  decades(0.1, 1e3, 2), [](double value) { return Texts{fmt::format("vessel.youngs_pa={}", 1e6 * value)}; });
 }
 
 StabilityMap speed()
@@ -92,58 +87,49 @@ StabilityMap speed()
 
 StabilityMap bending()
 {
-    StabilityMap map = fed_map("bending", "F11", "bending stiffness, from a thread to a rod; EA stays",
-                               "bending stiffness [N m^2]", decades(1e-7, 1e-2));
-    map.set = [](double value, double, double pace, const fs::path&) {
-        return fed(pace, {fmt::format("wire.bend_nm2={}", value), fmt::format("wire.twist_nm2={}", 0.77 * value)});
-    };
-    return map;
+    return fed_by("bending", "F11", "bending stiffness, from a thread to a rod; EA stays", "bending stiffness [N m^2]",
+                  decades(1e-7, 1e-2), [](double value) {
+                      return Texts{fmt::format("wire.bend_nm2={}", value), fmt::format("wire.twist_nm2={}", 0.77 * value)};
+                  });
 }
 
 StabilityMap ratio()
 {
-    StabilityMap map =
-        fed_map("ratio", "F11", "a tip so many times softer than the shaft", "shaft over tip stiffness", decades(1, 1e4));
-    map.set = [](double value, double, double pace, const fs::path&) {
-        return fed(pace, {"wire.bend_nm2=1e-3", "wire.twist_nm2=7.7e-4",
-                          fmt::format("wire.section=[{{from_tip_m=[0.0, 0.02], bend_nm2={}, twist_nm2={}}}]", 1e-3 / value,
-                                      7.7e-4 / value)});
-    };
-    return map;
+    return fed_by("ratio", "F11", "a tip so many times softer than the shaft", "shaft over tip stiffness", decades(1, 1e4),
+                  [](double value) {
+                      return Texts{"wire.bend_nm2=1e-3", "wire.twist_nm2=7.7e-4",
+                                   fmt::format("wire.section=[{{from_tip_m=[0.0, 0.02], bend_nm2={}, twist_nm2={}}}]",
+                                               1e-3 / value, 7.7e-4 / value)};
+                  });
 }
 
 StabilityMap friction()
 {
-    StabilityMap map =
-        fed_map("friction", "F8", "friction; sgn(v) chatters", "sliding friction coefficient", {0, 0.05, 0.1, 0.2, 0.4, 0.7, 1});
+    StabilityMap map = fed_by("friction", "F8", "friction; sgn(v) chatters", "sliding friction coefficient",
+                              {0, 0.05, 0.1, 0.2, 0.4, 0.7, 1}, [](double value) {
+                                  return Texts{fmt::format("contact.mu_sliding={}", value),
+                                               fmt::format("contact.mu_static={}", std::min(1.0, 1.2 * value))};
+                              });
     map.logarithmic = false;
-    map.set = [](double value, double, double pace, const fs::path&) {
-        return fed(
-            pace, {fmt::format("contact.mu_sliding={}", value), fmt::format("contact.mu_static={}", std::min(1.0, 1.2 * value))});
-    };
     return map;
 }
 
 StabilityMap spacing()
 {
-    StabilityMap map = fed_map("spacing", "F5", "edges against the bend's radius of 12 mm", "edge length over bend radius",
-                               {0.05, 0.1, 0.2, 0.4, 0.8, 1.6});
-    map.set = [](double value, double, double pace, const fs::path&) {
-        return fed(pace,
-                   {fmt::format("wire.nodes={}", std::max(3L, std::lround(0.08 / (value * 0.012)) + 1)), "wire.bend_nm2=1e-5",
-                    "wire.twist_nm2=7.7e-6", "vessel.bend_radius_m=0.012", "vessel.angle_deg=150.0", "vessel.radius_m=0.003"});
-    };
-    return map;
+    return fed_by("spacing", "F5", "edges against the bend's radius of 12 mm", "edge length over bend radius",
+                  {0.05, 0.1, 0.2, 0.4, 0.8, 1.6}, [](double value) {
+                      const long nodes = std::max(3L, std::lround(0.08 / (value * 0.012)) + 1);
+                      return Texts{fmt::format("wire.nodes={}", nodes), "wire.bend_nm2=1e-5",     "wire.twist_nm2=7.7e-6",
+                                   "vessel.bend_radius_m=0.012",        "vessel.angle_deg=150.0", "vessel.radius_m=0.003"};
+                  });
 }
 
 StabilityMap offset()
 {
     StabilityMap map =
-        fed_map("offset", "F14", "the scene stands so far from the origin", "distance from the origin [m]", {0, 0.1, 1, 10, 100});
+        fed_by("offset", "F14", "the scene stands so far from the origin", "distance from the origin [m]", {0, 0.1, 1, 10, 100},
+               [](double value) { return Texts{fmt::format("vessel.origin=[{0}, {0}, {0}]", value / std::sqrt(3.0))}; });
     map.logarithmic = false;
-    map.set = [](double value, double, double pace, const fs::path&) {
-        return fed(pace, Texts{fmt::format("vessel.origin=[{0}, {0}, {0}]", value / std::sqrt(3.0))});
-    };
     return map;
 }
 
@@ -217,13 +203,11 @@ Texts elastic(double youngs, Texts more)
 StabilityMap soft_wall()
 {
     constexpr double nominal = 0.4e6;  // of a thoracic aorta [Pa]
-    StabilityMap map = fed_map("soft-wall", "F18", "fed round a bend with an elastic wall", "modulus of the wall, of nominal",
-                               decades(1e-2, 1e2));
-    map.set = [](double value, double, double pace, const fs::path&) {
-        return elastic(nominal * value, fed(pace, {"vessel.thickness_m=0.00082", "vessel.wall_edge_m=0.0015", "wire.nodes=65",
-                                                    "wire.bend_nm2=1e-5", "wire.twist_nm2=7.7e-6"}));
-    };
-    return map;
+    return fed_by("soft-wall", "F18", "fed round a bend with an elastic wall", "modulus of the wall, of nominal",
+                  decades(1e-2, 1e2), [](double value) {
+                      return elastic(nominal * value, {"vessel.thickness_m=0.00082", "vessel.wall_edge_m=0.0015", "wire.nodes=65",
+                                                       "wire.bend_nm2=1e-5", "wire.twist_nm2=7.7e-6"});
+                  });
 }
 
 StabilityMap snug()

@@ -58,4 +58,12 @@ StabilityMap fed_map(const char* name, const char* rows, const char* title, cons
     return map;
 }
 
+StabilityMap fed_by(const char* name, const char* rows, const char* title, const char* axis, std::vector<double> values,
+                    std::function<Texts(double)> set)
+{
+    StabilityMap map = fed_map(name, rows, title, axis, std::move(values));
+    map.set = [set = std::move(set)](double value, double, double pace, const fs::path&) { return fed(pace, set(value)); };
+    return map;
+}
+
 }  // namespace seldinger::stability_parts

@@ -4,6 +4,7 @@
 #include "lab/stability.h"
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -64,6 +65,10 @@ inline constexpr double bend_start = 0.0155;
 /// The same, fed round the bend.
 [[nodiscard]] StabilityMap fed_map(const char* name, const char* rows, const char* title, const char* axis,
                                    std::vector<double> values);
+
+/// And with what else a value sets there.
+[[nodiscard]] StabilityMap fed_by(const char* name, const char* rows, const char* title, const char* axis,
+                                  std::vector<double> values, std::function<Texts(double value)> set);
 
 /// Maps of several instruments (stability_instruments.cpp): a wire in a catheter as two rods and as one, two wires beside each
 /// other.

@@ -8,7 +8,6 @@
 #include <numbers>
 
 namespace seldinger {
-
 namespace {
 
 // what contact springs may give back later: a law f ~ depth^n holds f depth/(n+1), friction springs less

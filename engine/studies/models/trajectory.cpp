@@ -13,36 +13,12 @@
 namespace seldinger {
 namespace {
 
-constexpr std::uint64_t magic = 0x32'4a'41'52'54'4c'45'53ull;  // "SELTRAJ2"
+constexpr std::uint64_t magic = 0x33'4a'41'52'54'4c'45'53ull;  // "SELTRAJ3"
 
-void put_numbers(std::vector<std::uint8_t>& bytes, const double* data, std::size_t count)
+template <class S>
+void each_field(S& s, auto& take)
 {
-    const std::uint64_t size = count;
-    put_bytes(bytes, &size, 1);
-    put_bytes(bytes, data, count);
-}
-
-template <class Number>
-std::vector<Number> take_numbers(const std::uint8_t*& at, const std::uint8_t* end)
-{
-    std::uint64_t size = 0;
-    take_bytes(at, end, &size, 1);
-    if (size > static_cast<std::uint64_t>(end - at) / sizeof(Number)) throw Error(ErrorKind::BadFile, "cut short");
-    std::vector<Number> numbers(size);
-    take_bytes(at, end, numbers.data(), numbers.size());
-    return numbers;
-}
-
-Sample take_sample(const std::uint8_t*& at, const std::uint8_t* end)
-{
-    Sample sample;
-    for (double* value : {&sample.t, &sample.inserted, &sample.hand_force, &sample.friction, &sample.normal})
-        take_bytes(at, end, value, 1);
-    const std::vector<double> xyz = take_numbers<double>(at, end);
-    sample.shape.resize(xyz.size() / 3);
-    for (std::size_t i = 0; i < sample.shape.size(); ++i) sample.shape[i] = Vec3(xyz[3 * i], xyz[3 * i + 1], xyz[3 * i + 2]);
-    sample.contact_up_to = take_numbers<double>(at, end);
-    return sample;
+    take(s.t), take(s.inserted), take(s.hand_force), take(s.friction), take(s.normal), take(s.shape), take(s.contact_up_to);
 }
 
 /// As a run makes them; the checksum says nothing of who wrote the file.
@@ -75,17 +51,10 @@ std::vector<double> accumulate_forces(const std::vector<ForceAt>& forces, double
 void save_trajectory(const FilePlace& file, const Trajectory& trajectory)
 {
     std::vector<std::uint8_t> bytes;
-    put_bytes(bytes, &magic, 1);
-    put_bytes(bytes, &trajectory.wire_length, 1);
-    put_bytes(bytes, trajectory.peaks.data(), trajectory.peaks.size());
-    const std::uint64_t count = trajectory.samples.size();
-    put_bytes(bytes, &count, 1);
-    for (const Sample& sample : trajectory.samples) {
-        for (const double value : {sample.t, sample.inserted, sample.hand_force, sample.friction, sample.normal})
-            put_bytes(bytes, &value, 1);
-        put_numbers(bytes, sample.shape.empty() ? nullptr : sample.shape.front().data(), 3 * sample.shape.size());
-        put_numbers(bytes, sample.contact_up_to.data(), sample.contact_up_to.size());
-    }
+    ByteWriter put{bytes};
+    put(magic), put(trajectory.wire_length), put(trajectory.peaks);
+    put(std::uint64_t{trajectory.samples.size()});
+    for (const Sample& sample : trajectory.samples) each_field(sample, put);
     const std::uint64_t sum = fnv1a(bytes.data(), bytes.size());
     put_bytes(bytes, &sum, 1);
     write_file(file, std::string_view(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
@@ -96,19 +65,18 @@ bool load_trajectory(const FilePlace& file, Trajectory& trajectory)
     try {
         const std::string text = read_file(file);
         const auto* at = reinterpret_cast<const std::uint8_t*>(text.data());
-        std::uint64_t sum = 0, found = 0, count = 0;
+        std::uint64_t sum = 0, found = 0;
         if (text.size() < 4 * sizeof sum) return false;
         const std::uint8_t* end = at + text.size() - sizeof sum;
         std::memcpy(&sum, end, sizeof sum);
         if (sum != fnv1a(at, text.size() - sizeof sum)) return false;
-        take_bytes(at, end, &found, 1);
+        ByteReader take{at, end};
+        take(found);
         if (found != magic) return false;
         Trajectory read;
-        take_bytes(at, end, &read.wire_length, 1);
-        take_bytes(at, end, read.peaks.data(), read.peaks.size());
-        take_bytes(at, end, &count, 1);
-        for (std::uint64_t k = 0; k < count; ++k) read.samples.push_back(take_sample(at, end));
-        if (at != end || !are_sound(read.samples)) return false;
+        take(read.wire_length), take(read.peaks);
+        for (std::size_t left = take.count(sizeof(double)); left > 0; --left) each_field(read.samples.emplace_back(), take);
+        if (take.at != end || !are_sound(read.samples)) return false;
         trajectory = std::move(read);
         return true;
     } catch (const Error&) {

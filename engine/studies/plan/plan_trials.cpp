@@ -89,14 +89,13 @@ RunPlan TrialRuns::watched(double& shape_sum, double& force_sum, double& slowest
 
 TrialRun TrialRuns::judge(const Model& model, const RunRecord& run, const Trajectory& values) const
 {
-    TrialRun trial;
-    trial.model = model;
-    trial.complete = run.complete;
-    trial.too_dear = run.over_limit;
-    trial.outcome = run.outcome;
-    trial.jitter = run.readings.jitter;
-    trial.nodes = run.nodes;
-    trial.seconds = cost_.seconds(run.cost.wall, run.cost.cpu);
+    TrialRun trial{.model = model,
+                   .complete = run.complete,
+                   .too_dear = run.over_limit,
+                   .seconds = cost_.seconds(run.cost.wall, run.cost.cpu),
+                   .nodes = run.nodes,
+                   .outcome = run.outcome,
+                   .jitter = run.readings.jitter};
     const Errors errors = trajectory_errors(values, reference_.values);
     trial.error = at(errors.rms, Observable::Shape);
     trial.tip_error = at(errors.rms, Observable::Tip);

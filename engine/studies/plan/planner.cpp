@@ -426,10 +426,8 @@ private:
     {
         if (!wall_.elastic() || !result_.touches) return;
         const PlannedModel& chosen = *result_.chosen;
-        WallChoice wall;
-        wall.elastic = chosen.scene.vessel.elastic;
-        wall.move = result_.reference.wall_move;
-        wall.far = result_.reference.wall_far;
+        WallChoice wall{
+            .elastic = chosen.scene.vessel.elastic, .move = result_.reference.wall_move, .far = result_.reference.wall_far};
         wall.edge = wall.elastic ? chosen.model.wall_edge.value_or(wall_.own) : wall_.own;
         Model other = chosen.model;
         other.elastic_wall = !wall.elastic;

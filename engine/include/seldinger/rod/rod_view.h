@@ -60,29 +60,13 @@ struct BasicRodView {
     [[nodiscard]] Vec3 vel(int i) const { return {vx[i], vy[i], vz[i]}; }
     [[nodiscard]] Vec3 tangent(int j) const { return {tx[j], ty[j], tz[j]}; }
     [[nodiscard]] Vec3 ref_d1(int j) const { return {d1x[j], d1y[j], d1z[j]}; }
-    void set_pos(int i, const Vec3& p) const
+    void set_pos(int i, const Vec3& p) const { set(x, y, z, i, p); }
+    void set_vel(int i, const Vec3& v) const { set(vx, vy, vz, i, v); }
+    void set_tangent(int j, const Vec3& t) const { set(tx, ty, tz, j, t); }
+    void set_ref_d1(int j, const Vec3& d) const { set(d1x, d1y, d1z, j, d); }
+    static void set(std::span<Number> to_x, std::span<Number> to_y, std::span<Number> to_z, int i, const Vec3& v)
     {
-        x[i] = p.x();
-        y[i] = p.y();
-        z[i] = p.z();
-    }
-    void set_vel(int i, const Vec3& v) const
-    {
-        vx[i] = v.x();
-        vy[i] = v.y();
-        vz[i] = v.z();
-    }
-    void set_tangent(int j, const Vec3& t) const
-    {
-        tx[j] = t.x();
-        ty[j] = t.y();
-        tz[j] = t.z();
-    }
-    void set_ref_d1(int j, const Vec3& d) const
-    {
-        d1x[j] = d.x();
-        d1y[j] = d.y();
-        d1z[j] = d.z();
+        to_x[i] = v.x(), to_y[i] = v.y(), to_z[i] = v.z();
     }
 };
 

@@ -1,5 +1,4 @@
 // Area and pressure of a contact point from its overlap or, where the law has none, from its force.
-
 #include "contact/loads/contact_patch.h"
 
 #include "shared/multiplier_law.h"

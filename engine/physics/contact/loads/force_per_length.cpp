@@ -1,5 +1,4 @@
 // The load that contact samples put on a wire, and its readings.
-
 #include "contact/force_per_length.h"
 
 #include <algorithm>

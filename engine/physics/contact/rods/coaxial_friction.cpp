@@ -1,5 +1,4 @@
 // Friction between instruments that share a centreline, in the order in which a step calls it.
-
 #include "contact/rods/coaxial_friction.h"
 
 #include "core/state_walk.h"
@@ -9,7 +8,6 @@
 #include <cmath>
 
 namespace seldinger {
-
 namespace {
 
 // Elastic slip of the surfaces before they slide [m]: 1 % of the instruments' thickness, as for asperities and jackets.

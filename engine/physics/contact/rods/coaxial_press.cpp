@@ -1,5 +1,4 @@
 // Forces between instruments that share a centreline, from their moments in the accepted state (rod/lumen_press.h).
-
 #include "contact/rods/coaxial_friction.h"
 
 #include "nodes/coaxial_nodes.h"
@@ -8,7 +7,6 @@
 #include <cmath>
 
 namespace seldinger {
-
 namespace {
 
 using Complex = LumenPress::Complex;

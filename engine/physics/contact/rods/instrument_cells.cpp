@@ -1,5 +1,4 @@
 // Cells and pairs from the user's settings.
-
 #include "contact/rods/instrument_cells.h"
 
 #include "contact/wall_law.h"
@@ -10,7 +9,6 @@
 #include <numbers>
 
 namespace seldinger {
-
 namespace {
 
 constexpr double cell_length = 2;  // radii

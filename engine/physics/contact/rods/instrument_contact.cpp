@@ -1,5 +1,4 @@
 // Contact between instruments in the order in which a step calls it.
-
 #include "contact/rods/instrument_contact.h"
 
 #include "contact/programs.h"
@@ -13,7 +12,6 @@
 #include <cstring>
 
 namespace seldinger {
-
 namespace {
 
 constexpr std::size_t pool_work = 400;  // listed slots from which a launch on all cores pays (a slot takes a microsecond)

@@ -1,5 +1,4 @@
 // State of contact between instruments from step to step: saved, restored, reported.
-
 #include "contact/loads/contact_patch.h"
 #include "contact/rods/instrument_contact.h"
 
@@ -11,7 +10,6 @@
 #include <cstring>
 
 namespace seldinger {
-
 namespace {
 
 constexpr double farthest = 1e3;  // along an instrument [m]

@@ -1,5 +1,4 @@
 // Search of contact between instruments: which cells are near to each other, and how far they have moved since.
-
 #include "contact/rods/instrument_contact.h"
 
 #include "core/parallel.h"
@@ -9,7 +8,6 @@
 #include <cmath>
 
 namespace seldinger {
-
 namespace {
 
 /// Square of the distance of node i in two arrays of positions [m^2].

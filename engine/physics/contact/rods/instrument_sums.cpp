@@ -1,5 +1,4 @@
 // Forces and tangents of contact between instruments, summed over the cells of a system.
-
 #include "contact/rods/instrument_sums.h"
 
 #include "math/node_lanes.h"
@@ -10,7 +9,6 @@
 #include <cstring>
 
 namespace seldinger {
-
 namespace {
 
 constexpr int per_node = RodDofs::per_node;
