@@ -235,7 +235,8 @@ private:
         const std::string saved =
             fmt::format("with {} of {} runs done, state saved in {}; run again{}", now_.rows.size(), task_.end - task_.begin,
                         folder_.path().string(), task_.whole ? " with --resume" : "");
-        if (status == RunStatus::TimeLimit) outcome.code = ErrorKind::TimeLimit, outcome.message = "stopped by a limit or SIGTERM " + saved;
+        if (status == RunStatus::TimeLimit)
+            outcome.code = ErrorKind::TimeLimit, outcome.message = "stopped by a limit or SIGTERM " + saved;
         if (status == RunStatus::Interrupted) outcome.code = ErrorKind::Interrupted, outcome.message = "interrupted " + saved;
         if (status != RunStatus::Done || !task_.whole) return outcome;  // runs that stopped are results of a part like the others
         std::int64_t stopped = 0, first = -1;

@@ -305,10 +305,10 @@ ErrorKind FarmBackend::run(const fs::path& path, const PartPlan& plan, PartComma
     Status status = status_of(dir, plan);
     if (name == "slurm") {
         const auto array = write_slurm_job(dir, plan, command, sbatch, status.missing);
+        const std::string merge_words = shell_text({command.words.front(), "farm", "merge", path.string()});
         print(head_of(dir, plan) + (status.missing.empty() ? fmt::format("  all done: seldinger farm merge {}\n", path.string())
                                     : submit               ? apps::submit(dir, array)
-                                                           : fmt::format("  {}\n  then: {}\n", shell_text(array),
-                                                                         shell_text({command.words.front(), "farm", "merge", path.string()}))));
+                                                           : fmt::format("  {}\n  then: {}\n", shell_text(array), merge_words)));
         return ErrorKind::None;
     }
     if (dry_run) {

@@ -121,7 +121,8 @@ std::string answer_line(const Sweep& sweep, const BatchLayout& layout, const Bat
         text += fmt::format("; nearest at the end: {}, {:.3g} mm from it", run_name(sweep, *answer.nearest),
                             1e3 * answer.nearest_distance);
     if (answer.ranking.empty()) return text;
-    return text + best_line(sweep, layout, answer) + (layout.bands ? " (± by the step; `run` adds nodes and facets)" : " (--bands computes its band)");
+    return text + best_line(sweep, layout, answer) +
+           (layout.bands ? " (± by the step; `run` adds nodes and facets)" : " (--bands computes its band)");
 }
 
 }  // namespace seldinger
