@@ -3,13 +3,13 @@
 
     validate_tubes.py PHANTOM [--app build/seldinger] [--rows N] [--edge MM]
 
-PHANTOM holds data.csv (joints and measured tips) and model.py (bending and torsion by shooting; asked where numpy and scipy are
-there). Each time of the table is a run at rest. Prints the tip's error against the measurement
-at the nominal parameters, and how far apart the two models are. The tubes are those of the phantom's table (nominal): only ratios of
-stiffness matter, 1 : 1 : 2/7, nu = 0.3."""
+PHANTOM holds data.csv (joints and measured tips) and model.py (bending and torsion by shooting; asked where numpy and scipy are there).
+Each time of the table is a run at rest. Prints the tip's error against the measurement at the nominal parameters, and how far apart the
+two models are. The tubes are those of the phantom's table (nominal): only ratios of stiffness matter, 1 : 1 : 2/7, nu = 0.3."""
 import importlib.util
 import math
 import pathlib
+import sys
 
 import runner
 
@@ -63,7 +63,7 @@ def main():
     parser.add_argument("--rows", type=int, default=None)
     parser.add_argument("--edge", type=float, default=1.5, help="of the line [mm]")
     options = parser.parse_args()
-    rows = runner.read_rows(options.phantom / "data.csv")[: options.rows]
+    rows = runner.read_rows(options.phantom / "data.csv")[: options.rows] or sys.exit(f"{options.phantom}: got no data.csv with rows in it")
     joints, measured = ([[float(row[name]) for name in names] for row in rows] for names in (JOINTS, TIP))
     merged = [tip_of(options.app, row, 1e-3 * options.edge) for row in joints]
     report("merged against the measurement", merged, measured)
