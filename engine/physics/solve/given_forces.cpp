@@ -431,11 +431,11 @@ void GivenForces::walk_state(StateWalk& walk, int wire)
         if (given.wire == wire && !given.state.empty()) walk({"a force's state", "", "accept"}, std::span(given.state));
 }
 
-void GivenForces::read_sensors(int wire, std::vector<SensorOutput>& into) const
+void GivenForces::read_sensors(int wire, const SensorReader& read) const
 {
     for (const Given& given : list_)
         if (const Force& force = *given.force; given.wire == wire && !force.record.empty())
-            into.push_back({force.name, force.record, {given.state.begin(), given.state.begin() + std::ssize(force.record)}});
+            read(force, std::span(given.state).first(force.record.size()));
 }
 
 double GivenForces::along(int wire) const

@@ -16,12 +16,12 @@
 #include "solve/coaxial_group.h"
 #include "solve/force.h"
 #include "solve/force_term.h"
-#include "output.h"
 #include "solve/solve_spec.h"
 
 #include <exception>
 #include <functional>
 #include <memory>
+#include <span>
 
 namespace seldinger {
 
@@ -37,7 +37,8 @@ public:
     void conclude(std::span<const std::uint8_t> active);
     /// Of the next evaluations: time at the end, length (0: an equilibrium) [s].
     void set_time(int wire, double time, double dt);
-    void read_sensors(int wire, std::vector<SensorOutput>& into) const;
+    using SensorReader = std::function<void(const Force& sensor, std::span<const double> numbers)>;
+    void read_sensors(int wire, const SensorReader& read) const;
 
     void prepare(RodArrays& rods, std::span<const std::uint8_t> live) override;
     void evaluate(const TermTrial& trial) override;

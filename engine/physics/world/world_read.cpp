@@ -299,7 +299,10 @@ void World::read(Output& into, unsigned parts) const
         wire.retired = data_->systems.is_retired(w);
         wire.tip = rod(w).pos(0);
         wire.sensors.clear();
-        if (data_->forces.given) data_->forces.given->read_sensors(w, wire.sensors);
+        if (data_->forces.given)
+            data_->forces.given->read_sensors(w, [&](const Force& sensor, std::span<const double> numbers) {
+                wire.sensors.push_back({sensor.name, sensor.record, {numbers.begin(), numbers.end()}});
+            });
         if (parts & Output::Shape) read_shape(rod(w), shown_contact(*data_, w), wire);
     }
     if (parts & Output::Contacts) {
