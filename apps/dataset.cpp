@@ -25,6 +25,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <charconv>
 #include <map>
 #include <memory>
 
@@ -92,10 +93,12 @@ Settings read_settings(const Folder& dir)
     return s;
 }
 
-BatchSource source_of(const Settings& settings, const std::string& scene_text, const std::string& sweep_text,
-                      const fs::path& sweep)
+/// The runs, from the folder's copies of scene and sweep.
+BatchSource read_source(const Folder& dir, const Settings& settings)
 {
-    return make_source(scene_text, settings.scene, settings.overrides, sweep_text, sweep);
+    const Folder parts = dir.inner("parts");
+    return make_source(read_file(parts / "scene.toml"), settings.scene, settings.overrides, read_file(parts / "sweep.toml"),
+                       parts.path() / "sweep.toml");
 }
 
 /// A run with as many frames as asked for, spread evenly, the last at its end; each with contacts and forces.
@@ -110,15 +113,25 @@ Scene scene_of(const BatchSource& source, std::size_t run, int frames)
     return scene;
 }
 
-/// The vessel as far as pictures show it: two runs of one key must not lie in different splits.
-std::string vessel_of(const Scene& scene)
-{
-    const VesselSpec& v = scene.vessel;
-    if (!v.mesh.empty()) return plan_key({read_file(v.mesh), v.units, v.label_text()});
-    const std::string text = write_scene(scene, scene.vessel.mesh.parent_path());
-    const std::size_t begin = text.find("[vessel]");
-    return plan_key({begin == std::string::npos ? "" : text.substr(begin, text.find("\n[", begin) - begin)});
-}
+/// Vessels as far as pictures show them: two runs of one key must not lie in different splits.
+class VesselKeys {
+public:
+    [[nodiscard]] std::string of(const Scene& scene)
+    {
+        const VesselSpec& v = scene.vessel;
+        if (!v.mesh.empty()) {
+            std::string& content = meshes_[v.mesh];
+            if (content.empty()) content = plan_key({read_file(v.mesh)});
+            return plan_key({content, v.units, v.label_text()});
+        }
+        const std::string text = write_scene(scene, {});
+        const std::size_t begin = text.find("[vessel]");
+        return plan_key({begin == std::string::npos ? "" : text.substr(begin, text.find("\n[", begin) - begin)});
+    }
+
+private:
+    std::map<fs::path, std::string> meshes_;  // each is read once
+};
 
 /// Noise of its own for each run, whichever task draws it.
 std::string seed_of(const Scene& scene, std::size_t run)
@@ -164,7 +177,7 @@ Json simulate(const Scene& scene, const fs::path& work, int device)
 
 /// Pictures, labels and the file that says so.
 void make_run(const Folder& dir, const Settings& settings, const BatchSource& source, std::size_t run,
-              const std::vector<std::string>& patterns, const LocalBackend& backend)
+              const std::vector<std::string>& patterns, VesselKeys& vessels, const LocalBackend& backend)
 {
     const std::string name = run_name(run);
     const Folder runs = dir.make("runs");
@@ -175,14 +188,13 @@ void make_run(const Folder& dir, const Settings& settings, const BatchSource& so
     Json out = {{"run", run},
                 {"status", summary.at("status")},
                 {"values", source.sweep.overrides(run)},
-                {"vessel", vessel_of(scene)},
+                {"vessel", vessels.of(scene)},
                 {"state_hash", summary.at("state_hash")},
                 {"pictures", Json::array()}};
     if (out["status"] == "done") {
         std::vector<std::string> words = {"-o",         (dir.make("images").path() / (name + ".png")).string(),
                                           "--labels",   dir.make("labels").path().string(),
-                                          "--numbered", "--quiet",
-                                          "--resume"};
+                                          "--numbered", "--resume"};
         if (run > 0) words.emplace_back("--quiet");  // what render warns of is said once
         if (backend.threads > 0) words.insert(words.end(), {"--threads", std::to_string(backend.threads)});
         const auto [first, last] = draw(settings, work, scene, run, words);
@@ -207,16 +219,15 @@ ErrorKind make_part(const DatasetArguments& options)
     if (options.backend.local.threads > 0) set_thread_count(options.backend.local.threads);
     const Folder dir(options.part_of);
     const Settings settings = read_settings(dir);
-    const Folder parts = dir.inner("parts");
-    const BatchSource source =
-        source_of(settings, read_file(parts / "scene.toml"), read_file(parts / "sweep.toml"), dir.path() / "parts/sweep.toml");
+    const BatchSource source = read_source(dir, settings);
     const auto [first, last] = two_numbers(options.count, ':', "--frames", "FIRST:LAST of the runs");
     const std::vector<std::string> patterns = picture_patterns(settings);
     const StopSignal listening("run the same command again");
+    VesselKeys vessels;
     for (int run = first; run <= last; ++run) {
         if (const int asked = stop_asked_for(); asked != 0)
             return asked == SIGINT ? ErrorKind::Interrupted : ErrorKind::TimeLimit;
-        make_run(dir, settings, source, static_cast<std::size_t>(run), patterns, options.backend.local);
+        make_run(dir, settings, source, static_cast<std::size_t>(run), patterns, vessels, options.backend.local);
     }
     return ErrorKind::None;
 }
@@ -264,7 +275,7 @@ std::string card(const Json& about, const Settings& settings, const std::vector<
                               about.at("hash").get<std::string>());
 }
 
-/// "0.02 ... 0.3 (50 drawn)", or the list.
+/// "0.02 to 0.3, 50 drawn", or the list.
 std::string values_in_words(const SweepAxis& axis)
 {
     if (!axis.drawn) return fmt::format("{}", fmt::join(axis.values, ", "));
@@ -282,6 +293,8 @@ ErrorKind finish_dataset(const fs::path& path, bool quiet)
     const PartPlan plan = read_plan(dir);
     const Settings settings = read_settings(dir);
     std::map<std::string, std::vector<std::string>> pictures_of;  // by vessel
+    const Folder images = dir.make("images"), labels_dir = dir.make("labels");
+    FieldCuts cuts;
     std::size_t stopped = 0, pictures = 0;
     std::uint64_t hash = fnv1a_start;
     const auto take_in = [&](const std::string& bytes) { hash = fnv1a(bytes.data(), bytes.size(), hash); };
@@ -294,11 +307,11 @@ ErrorKind finish_dataset(const fs::path& path, bool quiet)
         for (const std::string name : in.at("pictures")) {
             of.push_back(name), ++pictures;
             const std::string stem = fs::path(name).stem().string();
-            take_in(read_file(dir.inner("images") / name));
-            for (const char* ending : {".json", "_mask.png"}) take_in(read_file(dir.inner("labels") / (stem + ending)));
+            const std::string truth = read_file(labels_dir / (stem + ".json"));
+            take_in(read_file(images / name)), take_in(truth), take_in(read_file(labels_dir / (stem + "_mask.png")));
+            cuts.take_in(nlohmann::json::parse(truth).at("instruments"));
         }
     }
-    const Sweep sweep = read_sweep_text(read_file(dir.inner("parts") / "sweep.toml"), path / "sweep.toml", 0);
     const std::vector<Split> splits = split(pictures_of);
     Json about = {{"scene", settings.scene.stem().string()},
                   {"version", version()},
@@ -309,8 +322,7 @@ ErrorKind finish_dataset(const fs::path& path, bool quiet)
                   {"render", settings.render},
                   {"licence", settings.licence},
                   {"hash", fmt::format("{:016x}", hash)}};
-    for (const SweepAxis& axis : sweep.axes) about["varied"][axis.key] = values_in_words(axis);
-    std::vector<fs::path> all_labels;
+    for (const SweepAxis& axis : read_source(dir, settings).sweep.axes) about["varied"][axis.key] = values_in_words(axis);
     for (const Split& s : splits) {
         about["splits"][s.name] = {{"vessels", s.vessels}, {"pictures", s.pictures.size()}};
         std::string list;
@@ -321,7 +333,6 @@ ErrorKind finish_dataset(const fs::path& path, bool quiet)
         }
         write_file(dir / (std::string(s.name) + ".txt"), list);
         if (settings.format == "coco" && !labels.empty()) write_coco(labels, dir / fmt::format("coco_{}.json", s.name), true);
-        all_labels.insert(all_labels.end(), labels.begin(), labels.end());
     }
     write_file(dir / "dataset.json", json_text(about, 2) + "\n");
     write_file(dir / "card.md", card(about, settings, splits));
@@ -331,7 +342,7 @@ ErrorKind finish_dataset(const fs::path& path, bool quiet)
                           path.string(), pictures, plan.items, splits[0].pictures.size(), splits[1].pictures.size(),
                           splits[2].pictures.size(), splits[0].vessels.size(), splits[1].vessels.size(),
                           splits[2].vessels.size()));
-    if (!quiet) warn_of_field(all_labels);
+    if (!quiet) cuts.warn();
     return stopped > 0 ? ErrorKind::Stopped : ErrorKind::None;
 }
 
@@ -357,19 +368,21 @@ ErrorKind dataset(DatasetArguments& options)
     if (!options.part_of.empty()) return make_part(options);
     if (options.scene.empty() || options.sweep.empty())
         throw Error(ErrorKind::BadScene, "dataset: got no runs; expected SCENE.toml and --vary SWEEP.toml. Fix: give both");
-    options.frames = std::atoi(options.count.c_str());
-    if (options.frames < 1)
+    const char* const end = options.count.data() + options.count.size();
+    if (std::from_chars(options.count.data(), end, options.frames).ptr != end || options.frames < 1)
         throw Error(
             ErrorKind::BadScene,
             fmt::format("--frames: got \"{}\"; expected how many pictures of a run each view has, from 1", options.count));
     options.scene = fs::absolute(options.scene).lexically_normal();
     const std::string scene_text = read_scene_file(options.scene),
                       sweep_text = with_designs(read_scene_file(options.sweep), options.sweep);
-    const BatchSource source = source_of(options, scene_text, sweep_text, options.sweep);
+    const BatchSource source = make_source(scene_text, options.scene, options.overrides, sweep_text, options.sweep);
     const std::string views = options.views.empty() ? "" : read_file(options.views);
     (void)picture_patterns(options);
     std::vector<std::string> texts = {version(), scene_text, sweep_text, views, as_json(options)};
-    for (std::size_t run = 0; run < source.item_count(); ++run) texts.push_back(vessel_of(scene_of(source, run, options.frames)));
+    VesselKeys vessels;
+    for (std::size_t run = 0; run < source.item_count(); ++run)
+        texts.push_back(vessels.of(scene_of(source, run, options.frames)));
     if (!options.preview.empty()) return show(options, source);
     if (options.dir.empty()) throw Error(ErrorKind::BadScene, "dataset: give a folder for pictures and labels with -o DIR");
     options.dir = fs::absolute(options.dir).lexically_normal();

@@ -13,7 +13,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <vector>
 
@@ -45,37 +44,13 @@ std::vector<fs::path> label_files_in(const fs::path& dir)
     return files;
 }
 
-/// In how many pictures the field cuts an instrument off, and its tip.
-struct CutOff {
-    std::string name;
-    int pictures = 0, cut = 0, tip_outside = 0;
-
-    void take_in(const nlohmann::json& in_field)
-    {
-        const auto outside = [](const nlohmann::json& inside) { return !inside.get<bool>(); };
-        ++pictures;
-        cut += std::any_of(in_field.begin(), in_field.end(), outside);
-        tip_outside += outside(in_field.at(0));
-    }
-};
-
-void warn_of(const std::vector<CutOff>& all)
-{
-    for (const CutOff& one : all)
-        if (one.cut > 0)
-            note(fmt::format(
-                "seldinger: warning: the field cuts off {}: in {} of {} pictures; its tip is outside in {}. Fix: render with a "
-                "larger --field or other views\n",
-                one.name, one.cut, one.pictures, one.tip_outside));
-}
-
 CocoPoint point_of(const nlohmann::json& instrument, std::size_t index)
 {
     const nlohmann::json& px = instrument.at("centreline_px").at(index);
     return {px.at(0).get<double>(), px.at(1).get<double>(), instrument.at("in_field").at(index).get<bool>()};
 }
 
-void add_picture(const fs::path& file, CocoWriter& coco, std::vector<CutOff>& cut_off)
+void add_picture(const fs::path& file, CocoWriter& coco, FieldCuts& cuts)
 {
     const LabelImage mask = read_label_png(mask_of(file));
     try {
@@ -91,17 +66,14 @@ void add_picture(const fs::path& file, CocoWriter& coco, std::vector<CutOff>& cu
         std::uint8_t label = 0;
         for (const nlohmann::json& instrument : labels.at("instruments")) {
             const std::size_t stations = instrument.at("centreline_px").size();
-            const auto name = instrument.at("name").get<std::string>();
-            const int category = coco.category(name);
+            const int category = coco.category(instrument.at("name").get<std::string>());
             if (++label == 0)
                 throw Error(ErrorKind::BadFile,
                             file.string() + ": got more than 255 instruments; expected 255 at most. Fix: render it again");
             if (stations == 0) continue;
             coco.add(category, mask.labels, label, point_of(instrument, 0), point_of(instrument, stations - 1));
-            cut_off.resize(std::max(cut_off.size(), static_cast<std::size_t>(category)));
-            cut_off[static_cast<std::size_t>(category) - 1].name = name;
-            cut_off[static_cast<std::size_t>(category) - 1].take_in(instrument.at("in_field"));
         }
+        cuts.take_in(labels.at("instruments"));
     } catch (const nlohmann::json::exception& error) {
         throw Error(
             ErrorKind::BadFile,
@@ -121,31 +93,40 @@ ErrorKind labels(const LabelsArguments& options)
 
 }  // namespace
 
+void FieldCuts::take_in(const nlohmann::json& instruments)
+{
+    const auto outside = [](const nlohmann::json& inside) { return !inside.get<bool>(); };
+    for (const nlohmann::json& instrument : instruments) {
+        const auto name = instrument.at("name").get<std::string>();
+        auto of = std::find_if(cuts_.begin(), cuts_.end(), [&](const Cut& cut) { return cut.name == name; });
+        if (of == cuts_.end()) of = cuts_.insert(of, Cut{name});
+        const nlohmann::json& in_field = instrument.at("in_field");
+        if (in_field.empty()) continue;
+        ++of->pictures;
+        of->cut += std::any_of(in_field.begin(), in_field.end(), outside);
+        of->tip_outside += outside(in_field.at(0));
+    }
+}
+
+void FieldCuts::warn() const
+{
+    for (const Cut& one : cuts_)
+        if (one.cut > 0)
+            note(fmt::format(
+                "seldinger: warning: the field cuts off {}: in {} of {} pictures; its tip is outside in {}. Fix: render with a "
+                "larger --field or other views\n",
+                one.name, one.cut, one.pictures, one.tip_outside));
+}
+
 void write_coco(const std::vector<fs::path>& files, const FilePlace& to, bool quiet)
 {
     CocoWriter coco;
-    std::vector<CutOff> cut_off;  // by category
-    for (const fs::path& file : files) add_picture(file, coco, cut_off);
+    FieldCuts cuts;
+    for (const fs::path& file : files) add_picture(file, coco, cuts);
     write_file(to, coco.finish());
     if (quiet) return;
     print(fmt::format("{}: {} pictures, {} annotations\n", to.path().string(), files.size(), coco.annotation_count()));
-    warn_of(cut_off);
-}
-
-void warn_of_field(const std::vector<fs::path>& files)
-{
-    std::map<std::string, CutOff> cut_off;  // by name
-    for (const fs::path& file : files) {
-        const nlohmann::json labels = nlohmann::json::parse(read_file(file));
-        for (const nlohmann::json& instrument : labels.at("instruments")) {
-            CutOff& of = cut_off[instrument.at("name").get<std::string>()];
-            of.name = instrument.at("name").get<std::string>();
-            if (!instrument.at("in_field").empty()) of.take_in(instrument.at("in_field"));
-        }
-    }
-    std::vector<CutOff> all;
-    for (const auto& [name, of] : cut_off) all.push_back(of);
-    warn_of(all);
+    cuts.warn();
 }
 
 void add_labels(CommandLine& app, Command& chosen)

@@ -60,6 +60,15 @@ inline std::string slurp(const fs::path& path)
     return text.str();
 }
 
+/// Every file below a folder by its path from there.
+inline std::map<std::string, std::string> contents_of(const fs::path& dir)
+{
+    std::map<std::string, std::string> all;
+    for (const auto& entry : fs::recursive_directory_iterator(dir))
+        if (entry.is_regular_file()) all[fs::relative(entry.path(), dir).string()] = slurp(entry.path());
+    return all;
+}
+
 struct AppResult {
     int code = -1;
     std::string out, err;

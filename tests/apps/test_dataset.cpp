@@ -17,7 +17,8 @@ constexpr const char* command =
 struct DatasetFolder : ScratchFolder {
     DatasetFolder()
     {
-        write("s.toml", tube_scene(0.03));
+        std::string scene = tube_scene(0.03);
+        write("s.toml", scene.insert(scene.find("duration_s"), "seed = 3\n"));
         write("v.toml",
               "[vary]\n\"vessel.radius_m\" = [0.005, 0.006, 0.007]\n\"wire.mu_sliding\" = {min = 0.05, max = 0.2, n = 2}\n");
         write("w.toml", "[vary]\n\"carm.lao_deg\" = [0.0, 40.0]\n");
@@ -36,9 +37,7 @@ struct DatasetFolder : ScratchFolder {
     /// All of a data set but how it was divided.
     [[nodiscard]] std::map<std::string, std::string> contents(const std::string& dir) const
     {
-        std::map<std::string, std::string> all;
-        for (const auto& entry : fs::recursive_directory_iterator(path / dir))
-            if (entry.is_regular_file()) all[fs::relative(entry.path(), path / dir).string()] = slurp(entry.path());
+        std::map<std::string, std::string> all = contents_of(path / dir);
         std::erase_if(all, [](const auto& file) {
             return file.first == "parts.json" || file.first.ends_with(".lock") || file.first.ends_with(".tmp");
         });
@@ -94,9 +93,12 @@ TEST_SUITE("apps/dataset")
             }
         }
         CHECK(split_of.size() == 36);
+        const std::string card = slurp(folder.path / "d/card.md");
         std::map<std::string, std::string> split_of_vessel;  // by its radius
         for (int run = 0; run < 6; ++run) {
             const json of = json::parse(slurp(folder.path / fmt::format("d/runs/run_{:06}.json", run)));
+            const std::string drawn = of["values"][1].get<std::string>();  // by the scene's seed
+            CHECK(has(card, drawn.substr(drawn.find('=') + 1)));
             CHECK(of["pictures"].size() == 6);
             for (const json& name : of["pictures"]) {
                 const std::string split = split_of.at(name.get<std::string>());
@@ -109,7 +111,6 @@ TEST_SUITE("apps/dataset")
               slurp(folder.path / "d/images/run_000001_v1_000001.png"));
         CHECK(slurp(folder.path / "d/labels/run_000000_v1_000001_mask.png") ==
               slurp(folder.path / "d/labels/run_000001_v1_000001_mask.png"));
-        const std::string card = slurp(folder.path / "d/card.md");
         for (const char* part : {"Licence: CC0", "| `vessel.radius_m` | 0.005, 0.006, 0.007 |", "2 drawn |", "| test | 1 | 12 |"})
             CHECK_MESSAGE(card.find(part) != std::string::npos, part);
     }
@@ -138,10 +139,15 @@ TEST_SUITE("apps/dataset")
         CHECK_MESSAGE(sheet.code == 0, sheet.err);
         CHECK(fs::exists(folder.path / "sheet.png"));
         CHECK_FALSE(fs::exists(folder.path / "sheet.png.run"));
+        // what is wrong with all pictures is said once
+        const std::string err = run_app(folder, "dataset s.toml --vary v.toml --frames 1 --size 32x24 -o n").err;
+        CHECK_MESSAGE(has(err, "pixel"), err);
+        CHECK(err.find("pixel") == err.rfind("pixel"));
         REQUIRE(folder.make("d", "--quiet").code == 0);
         for (const auto& [words, part] : std::initializer_list<std::pair<const char*, const char*>>{
                  {"dataset s.toml --frames 3 -o e", "expected SCENE.toml and --vary SWEEP.toml"},
                  {"dataset s.toml --vary v.toml --frames 0 -o e", "--frames: got \"0\""},
+                 {"dataset s.toml --vary v.toml --frames 3:9 -o e", "--frames: got \"3:9\""},
                  {"dataset s.toml --vary v.toml --frames 31 -o e", "run 0 has only 30 steps"},
                  {"dataset s.toml --vary v.toml --frames 3", "with -o DIR"},
                  {"dataset s.toml --vary v.toml --frames 3 -o e --video a.mp4", "--video"},

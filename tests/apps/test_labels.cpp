@@ -24,15 +24,6 @@ struct LabelRun : ScratchFolder {
     [[nodiscard]] json read(const std::string& name) const { return json::parse(slurp(path / name)); }
 };
 
-/// Every file below a folder by its path from there.
-std::map<std::string, std::string> contents_of(const fs::path& dir)
-{
-    std::map<std::string, std::string> all;
-    for (const auto& entry : fs::recursive_directory_iterator(dir))
-        if (entry.is_regular_file()) all[fs::relative(entry.path(), dir).string()] = slurp(entry.path());
-    return all;
-}
-
 /// Only pictures and labels of a farm's folder; a process that is killed as it writes leaves a file NAME.PID.tmp.
 std::map<std::string, std::string> pictures_of(const fs::path& dir)
 {
